@@ -1,0 +1,82 @@
+//! Bodies in the fluid.
+
+use crate::{Soa3Mut, Soa3Ref};
+use std::any::Any;
+
+/// How the nodes of a body move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Motion {
+    /// Carried by the fluid: no slip.
+    Advected,
+    /// Newton's equation for each node, pulled along by friction against the fluid (the paper's coupling).
+    Newton {
+        /// Mass of a node, kg.
+        node_mass: f64,
+        /// Friction of a node against the fluid, kg/s.
+        friction: f64,
+    },
+    /// Velocity is force over friction, without a fluid.
+    Overdamped {
+        /// Friction of a node, kg/s.
+        friction: f64,
+    },
+    /// Held where it is.
+    Frozen,
+}
+
+/// A body made of nodes and triangles, with its own internal forces.
+pub trait ImmersedBody: Any + Send + Sync {
+    /// What it is, for reports and tables.
+    fn kind(&self) -> &str;
+
+    /// Its nodes at rest about the origin, m.
+    fn reference(&self) -> Soa3Ref<'_>;
+
+    /// Its triangles, outward by the right hand; empty for a body of separate nodes.
+    fn triangles(&self) -> &[[u32; 3]];
+
+    /// How its nodes move.
+    fn motion(&self) -> Motion {
+        Motion::Advected
+    }
+
+    /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range.
+    fn add_internal_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>);
+
+    /// Elastic energy at node positions `x` (m), J, where all of its laws have one.
+    fn energy(&self, _x: Soa3Ref<'_>) -> Option<f64> {
+        None
+    }
+}
+
+/// Enclosed volume of a closed triangle mesh, m3.
+pub fn enclosed_volume(x: Soa3Ref<'_>, triangles: &[[u32; 3]]) -> f64 {
+    let Some(first) = triangles.first() else {
+        return 0.0;
+    };
+    let origin = x.get(first[0] as usize);
+    let six: f64 = triangles
+        .iter()
+        .map(|&[a, b, c]| {
+            let (a, b, c) = (
+                x.get(a as usize) - origin,
+                x.get(b as usize) - origin,
+                x.get(c as usize) - origin,
+            );
+            a.dot(&b.cross(&c))
+        })
+        .sum();
+    six / 6.0
+}
+
+/// Area of a triangle mesh, m2.
+pub fn surface_area(x: Soa3Ref<'_>, triangles: &[[u32; 3]]) -> f64 {
+    triangles
+        .iter()
+        .map(|&[a, b, c]| {
+            let a = x.get(a as usize);
+            0.5 * (x.get(b as usize) - a).cross(&(x.get(c as usize) - a)).norm()
+        })
+        .sum()
+}

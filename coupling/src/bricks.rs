@@ -1,0 +1,175 @@
+//! Velocity and force where bodies touch the fluid.
+
+use crate::{Grid, Vec3};
+
+/// Nodes along each edge of a brick.
+pub const EDGE: usize = 8;
+/// Nodes of a brick.
+pub const NODES: usize = EDGE * EDGE * EDGE;
+
+const NONE: u32 = u32::MAX;
+
+/// Fluid velocity (m/s) and force (N per grid node) in the bricks of 8 x 8 x 8 nodes that bodies touch.
+///
+/// A brick that is in use has a *slot*; slots are in ascending brick order. Inside a slot node `(i, j, k)` of the brick
+/// has index `(k * 8 + j) * 8 + i`. The last brick of a direction may reach past the grid; those nodes mean nothing.
+#[derive(Clone, Debug)]
+pub struct Bricks {
+    counts: [usize; 3],
+    slot_of: Vec<u32>,
+    wanted: Vec<bool>,
+    active: Vec<u32>,
+    velocity: [Vec<f64>; 3],
+    force: [Vec<f64>; 3],
+}
+
+impl Bricks {
+    /// No brick in use.
+    pub fn new(grid: &Grid) -> Self {
+        let counts = grid.shape.map(|n| n.div_ceil(EDGE));
+        let total = counts.iter().product();
+        Self {
+            counts,
+            slot_of: vec![NONE; total],
+            wanted: vec![false; total],
+            active: Vec::new(),
+            velocity: Default::default(),
+            force: Default::default(),
+        }
+    }
+
+    /// Bricks in x, y, z.
+    pub fn counts(&self) -> [usize; 3] {
+        self.counts
+    }
+
+    /// Number of slots in use.
+    pub fn len(&self) -> usize {
+        self.active.len()
+    }
+
+    /// Whether no brick is in use.
+    pub fn is_empty(&self) -> bool {
+        self.active.is_empty()
+    }
+
+    /// Brick coordinates of a slot.
+    pub fn brick(&self, slot: usize) -> [usize; 3] {
+        let b = self.active[slot] as usize;
+        let [bx, by, _] = self.counts;
+        [b % bx, b / bx % by, b / (bx * by)]
+    }
+
+    /// Slot of a brick, if it is in use.
+    #[inline]
+    pub fn slot(&self, brick: [usize; 3]) -> Option<usize> {
+        let s = self.slot_of[self.index(brick)];
+        (s != NONE).then_some(s as usize)
+    }
+
+    /// Linear number of a brick, x fastest.
+    #[inline]
+    pub fn index(&self, [bx, by, bz]: [usize; 3]) -> usize {
+        (bz * self.counts[1] + by) * self.counts[0] + bx
+    }
+
+    /// Velocity components of all slots, m/s.
+    pub fn velocity(&self) -> &[Vec<f64>; 3] {
+        &self.velocity
+    }
+
+    /// Velocity components of all slots, m/s, for the fluid to fill.
+    pub fn velocity_mut(&mut self) -> &mut [Vec<f64>; 3] {
+        &mut self.velocity
+    }
+
+    /// Force components of all slots, N per grid node.
+    pub fn force(&self) -> &[Vec<f64>; 3] {
+        &self.force
+    }
+
+    /// Force components of all slots, N per grid node, for the exchange to fill.
+    pub fn force_mut(&mut self) -> &mut [Vec<f64>; 3] {
+        &mut self.force
+    }
+
+    /// Velocity to write and force to read: what a fluid needs to fill in the velocity at half a step of force.
+    pub fn velocity_mut_and_force(&mut self) -> (&mut [Vec<f64>; 3], &[Vec<f64>; 3]) {
+        (&mut self.velocity, &self.force)
+    }
+
+    /// Sets all forces to zero.
+    pub fn clear_force(&mut self) {
+        for f in &mut self.force {
+            f.fill(0.0);
+        }
+    }
+
+    /// Sum of all forces, N.
+    pub fn total_force(&self) -> Vec3 {
+        let sum = |a: &Vec<f64>| a.iter().sum::<f64>();
+        Vec3::new(sum(&self.force[0]), sum(&self.force[1]), sum(&self.force[2]))
+    }
+
+    /// Asks for a brick (by linear number) to be in use after the next [`Bricks::commit`].
+    #[inline]
+    pub fn want(&mut self, index: usize) {
+        self.wanted[index] = true;
+    }
+
+    /// Takes up the bricks asked for since the last commit and drops the others. Forces of bricks that stay are kept,
+    /// those of new bricks are zero; velocities are to be read anew. Returns whether the set has changed.
+    pub fn commit(&mut self) -> bool {
+        let changed = self.wanted.iter().zip(&self.slot_of).any(|(&w, &s)| w != (s != NONE));
+        if changed {
+            self.rebuild();
+        }
+        self.wanted.fill(false);
+        changed
+    }
+
+    fn rebuild(&mut self) {
+        let old = std::mem::take(&mut self.slot_of);
+        self.slot_of = vec![NONE; old.len()];
+        self.active.clear();
+        for (b, _) in self.wanted.iter().enumerate().filter(|(_, w)| **w) {
+            self.slot_of[b] = self.active.len() as u32;
+            self.active.push(b as u32);
+        }
+        let n = self.active.len() * NODES;
+        for force in &mut self.force {
+            let mut next = vec![0.0; n];
+            for (slot, &b) in self.active.iter().enumerate() {
+                if old[b as usize] != NONE {
+                    let from = old[b as usize] as usize * NODES;
+                    next[slot * NODES..][..NODES].copy_from_slice(&force[from..][..NODES]);
+                }
+            }
+            *force = next;
+        }
+        for velocity in &mut self.velocity {
+            velocity.clear();
+            velocity.resize(n, 0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_brick_that_stays_keeps_its_force() {
+        let mut bricks = Bricks::new(&Grid::new([20, 8, 8], 1.0, [true; 3]));
+        assert_eq!(bricks.counts(), [3, 1, 1]);
+        bricks.want(2);
+        assert!(bricks.commit());
+        bricks.force_mut()[1][5] = 7.0;
+        bricks.want(0);
+        bricks.want(2);
+        assert!(bricks.commit());
+        assert_eq!(bricks.slot([2, 0, 0]), Some(1));
+        assert_eq!(bricks.force()[1][NODES + 5], 7.0);
+        assert_eq!(bricks.total_force().y, 7.0);
+    }
+}

@@ -1,0 +1,124 @@
+//! A fluid as its neighbours see it.
+
+use crate::{Boundary, Bricks, Grid, Vec3};
+use std::any::Any;
+use std::sync::Arc;
+
+/// What a fluid reports that it cannot go on with, or cannot take.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FluidError {
+    /// A population is not finite or the flow is faster than the method can carry.
+    #[error("the fluid failed at node ({}, {}, {}), step {step}: {what}; use a smaller time step or a finer grid", node[0], node[1], node[2])]
+    Diverged {
+        /// Node indices.
+        node: [usize; 3],
+        /// Fluid step.
+        step: u64,
+        /// What was seen there.
+        what: String,
+    },
+    /// A channel between walls has too few nodes to carry a flow.
+    #[error("the gap at node ({}, {}, {}) is {cells} cell(s) wide along {axis}, a flow needs {needed}: use a spacing of at most {spacing:.3e} m", node[0], node[1], node[2])]
+    NarrowGap {
+        /// A node in the gap.
+        node: [usize; 3],
+        /// Fluid nodes across the gap.
+        cells: usize,
+        /// Least number that is accepted.
+        needed: usize,
+        /// Direction across the gap.
+        axis: char,
+        /// Greatest spacing that would do, m.
+        spacing: f64,
+    },
+    /// There is no fluid node left between the walls.
+    #[error(
+        "no fluid is left: all {nodes} nodes lie inside walls; check the sign of the boundary's distance (positive in the fluid)"
+    )]
+    NoFluid {
+        /// Nodes of the grid.
+        nodes: usize,
+    },
+    /// Something that a third party's fluid reports.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// What became of the walls on the grid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct WallReport {
+    /// Nodes in the fluid.
+    pub fluid_nodes: usize,
+    /// Nodes in walls.
+    pub solid_nodes: usize,
+    /// Links between a fluid node and a wall.
+    pub wall_links: usize,
+    /// Fewest fluid nodes across any gap between walls, and the axis (0 to 2) it was seen along.
+    pub narrowest: Option<(usize, usize)>,
+}
+
+/// Velocity, pressure and solid mask on the whole grid, x fastest, for files and pictures.
+#[derive(Clone, Debug, Default)]
+pub struct Macroscopic {
+    /// Velocity components, m/s.
+    pub velocity: [Vec<f64>; 3],
+    /// Pressure about the rest state, Pa.
+    pub pressure: Vec<f64>,
+    /// 1 in walls, 0 in the fluid.
+    pub solid: Vec<u8>,
+}
+
+/// A fluid on a regular grid, with no type parameter. All arguments are SI and f64.
+pub trait Lattice: Any + Send {
+    /// The grid.
+    fn grid(&self) -> &Grid;
+
+    /// Time step, s.
+    fn time_step(&self) -> f64;
+
+    /// Dynamic viscosity, Pa s.
+    fn viscosity(&self) -> f64;
+
+    /// Density, kg/m3 (the scaled one, where the Reynolds number is scaled).
+    fn density(&self) -> f64;
+
+    /// Takes the walls as they stand at time `t` (s). The flow starts anew where a wall was.
+    ///
+    /// # Errors
+    /// [`FluidError::NarrowGap`], [`FluidError::NoFluid`].
+    fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError>;
+
+    /// Fills the velocity of the bricks in use, zero in walls. The bricks hold the forces of the last step, half a step
+    /// of which belongs to the velocity.
+    fn read_velocity(&mut self, bricks: &mut Bricks);
+
+    /// One time step under the forces in the bricks.
+    ///
+    /// # Errors
+    /// [`FluidError::Diverged`] where the fluid notices.
+    fn advance(&mut self, bricks: &Bricks) -> Result<(), FluidError>;
+
+    /// The uniform force density that drives the flow now, N/m3: minus the pressure gradient it stands for.
+    fn body_force(&self) -> Vec3 {
+        Vec3::zeros()
+    }
+
+    /// Superficial velocity: the integral of the velocity over the box divided by the volume of the box, m/s.
+    fn superficial_velocity(&self) -> Vec3 {
+        Vec3::zeros()
+    }
+
+    /// Looks at every node, for the guard.
+    ///
+    /// # Errors
+    /// [`FluidError::Diverged`] with the first offending node.
+    fn check(&self) -> Result<(), FluidError> {
+        Ok(())
+    }
+
+    /// Velocity, pressure and solid mask on the whole grid, for files and pictures.
+    fn macroscopic(&self) -> Option<Macroscopic> {
+        None
+    }
+}

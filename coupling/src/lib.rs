@@ -1,0 +1,27 @@
+//! The contract between fluid, bodies, forces and walls, and the clock that steps them.
+//!
+//! All quantities are SI and `f64`. Four traits are the seams where third parties join: [`Boundary`] (solid geometry),
+//! [`Lattice`] (a fluid), [`ImmersedBody`] (a cell, a bead) and `ForceField` (whatever pushes bodies). [`Exchange`]
+//! joins bodies and fluid and comes with `lbm-ibm-ibm`. A `Scene` owns one of each kind, and `Scene::step` is one
+//! time step; `run` is everything around it.
+
+mod body;
+mod boundary;
+mod bricks;
+mod exchange;
+mod grid;
+mod lattice;
+mod soa;
+
+pub use body::{ImmersedBody, Motion, enclosed_volume, surface_area};
+pub use boundary::{Boundary, Closure, Difference, Moved, Plane, Probe, Union};
+pub use bricks::{Bricks, EDGE as BRICK_EDGE, NODES as BRICK_NODES};
+pub use exchange::{BodyInfo, Exchange, ExchangeError};
+pub use grid::{Domain, Grid};
+pub use lattice::{FluidError, Lattice, Macroscopic, WallReport};
+pub use soa::{Soa3, Soa3Mut, Soa3Ref};
+
+pub use nalgebra;
+
+/// A vector in space: position (m), velocity (m/s), force (N).
+pub type Vec3 = nalgebra::Vector3<f64>;
