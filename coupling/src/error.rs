@@ -1,0 +1,149 @@
+//! What a scene reports that it cannot do.
+
+use crate::{ExchangeError, FluidError};
+
+/// Why a scene cannot be built, or why a run ended early. Nothing is lost: the scene stays as it was at the fault.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// The fluid reports a fault.
+    #[error(transparent)]
+    Fluid(#[from] FluidError),
+    /// The exchange between bodies and fluid reports a fault.
+    #[error(transparent)]
+    Exchange(#[from] ExchangeError),
+    /// A body was placed inside a wall, or has been pushed into one.
+    #[error("body {body} ({kind}): {inside} of {nodes} nodes are inside wall part {part}, the deepest by {depth:.3e} m at ({:.4e}, {:.4e}, {:.4e}) m; place it farther from the wall, or use a stronger contact or a smaller time step", position[0], position[1], position[2])]
+    BodyInWall {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Nodes inside.
+        inside: usize,
+        /// Nodes of the body.
+        nodes: usize,
+        /// Wall part of the deepest node.
+        part: u32,
+        /// Depth of the deepest node, m.
+        depth: f64,
+        /// Its position, m.
+        position: [f64; 3],
+    },
+    /// The time step is over the limit of one term.
+    #[error(
+        "the time step of {time_step:.3e} s is over the limit of {limit:.3e} s set by {term}; use a smaller relaxation time, a finer grid or a softer law"
+    )]
+    TimeStep {
+        /// What sets the limit.
+        term: String,
+        /// The scene's time step, s.
+        time_step: f64,
+        /// The limit, s.
+        limit: f64,
+    },
+    /// A quantity that must be positive is not.
+    #[error("{what} is {value:e}, it must be finite and positive")]
+    NotPositive {
+        /// What it is, with its unit.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A body that the fluid moves is in a scene without a fluid.
+    #[error(
+        "body {body} ({kind}) is moved by a fluid, but the scene has none; give it another motion, or build the scene with a fluid"
+    )]
+    NeedsFluid {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+    },
+    /// There is no body of that number.
+    #[error("there is no body {body}; the scene has {bodies} bodies")]
+    UnknownBody {
+        /// The number asked for.
+        body: u32,
+        /// Bodies in the scene.
+        bodies: usize,
+    },
+    /// A node position or velocity is not finite.
+    #[error("body {body} ({kind}): node {node} is not finite at step {step}; use a smaller time step")]
+    NotFinite {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Node of the body.
+        node: usize,
+        /// Step of the scene.
+        step: u64,
+    },
+    /// A node moves too far in one step.
+    #[error(
+        "body {body} ({kind}): node {node} moves {distance:.3e} m in one step ({step}), the guard allows {limit:.3e} m; use a smaller time step"
+    )]
+    Displacement {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Node of the body.
+        node: usize,
+        /// Distance in one step, m.
+        distance: f64,
+        /// Greatest distance allowed, m.
+        limit: f64,
+        /// Step of the scene.
+        step: u64,
+    },
+    /// The volume of a closed body has drifted.
+    #[error(
+        "body {body} ({kind}): volume has changed by {percent:.2} % at step {step}, the guard allows {limit_percent:.2} %; use a smaller time step, a finer grid or a stiffer volume law"
+    )]
+    VolumeDrift {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Change in per cent.
+        percent: f64,
+        /// Greatest change allowed, in per cent.
+        limit_percent: f64,
+        /// Step of the scene.
+        step: u64,
+    },
+    /// The area of a body has grown beyond what the guard allows.
+    #[error(
+        "body {body} ({kind}): area strain is {strain:.3} at step {step}, the guard allows {limit:.3}; the membrane would be torn"
+    )]
+    AreaStrain {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Relative growth of the area.
+        strain: f64,
+        /// Greatest growth allowed.
+        limit: f64,
+        /// Step of the scene.
+        step: u64,
+    },
+    /// A triangle has collapsed.
+    #[error(
+        "body {body} ({kind}): triangle {triangle} has shrunk to {ratio:.2e} of its area at step {step}; use a stiffer local area law or a smaller time step"
+    )]
+    CollapsedTriangle {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Triangle of the body.
+        triangle: usize,
+        /// Area over area at rest.
+        ratio: f64,
+        /// Step of the scene.
+        step: u64,
+    },
+}

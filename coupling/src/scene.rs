@@ -1,0 +1,429 @@
+//! A fluid, bodies in it, walls around it and forces between them.
+
+mod limits;
+mod motion;
+mod step;
+
+use crate::guard::{Guard, RestShape, Scope, outside_walls};
+use crate::{
+    BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Lattice, Loads, Motion, SceneError, Soa3,
+    Soa3Ref, Vec3, View, WallReport,
+};
+use nalgebra::{Isometry3, Point3};
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
+/// Everything that takes part in a run, and its state. Positions in m, velocities in m/s, forces in N.
+pub struct Scene {
+    fluid: Option<Fluid>,
+    domain: Domain,
+    walls: Option<Arc<dyn Boundary>>,
+    wall_report: Option<WallReport>,
+    bodies: Vec<Slot>,
+    infos: Vec<BodyInfo>,
+    fields: Vec<Box<dyn ForceField>>,
+    x: Soa3,
+    v: Soa3,
+    fluid_velocity: Soa3,
+    on_fluid: Soa3,
+    loads: Loads,
+    time: f64,
+    time_step: f64,
+    step: u64,
+    next_id: u32,
+    guard: Guard,
+    ready: bool,
+}
+
+struct Fluid {
+    lattice: Box<dyn Lattice>,
+    exchange: Box<dyn Exchange>,
+    bricks: Bricks,
+}
+
+struct Slot {
+    body: Box<dyn ImmersedBody>,
+    rest: RestShape,
+}
+
+impl Scene {
+    /// A scene with a fluid, and the exchange that joins it to bodies. The time step is the fluid's.
+    pub fn with_fluid(lattice: impl Lattice, exchange: impl Exchange) -> Self {
+        let time_step = lattice.time_step();
+        let domain = lattice.grid().domain();
+        let bricks = Bricks::new(lattice.grid());
+        let fluid = Fluid {
+            lattice: Box::new(lattice),
+            exchange: Box::new(exchange),
+            bricks,
+        };
+        Self::empty(Some(fluid), domain, time_step)
+    }
+
+    /// A scene without a fluid, stepped by `time_step` (s).
+    ///
+    /// # Errors
+    /// [`SceneError::NotPositive`].
+    pub fn without_fluid(time_step: f64) -> Result<Self, SceneError> {
+        if !(time_step.is_finite() && time_step > 0.0) {
+            return Err(SceneError::NotPositive {
+                what: "the time step (s)",
+                value: time_step,
+            });
+        }
+        Ok(Self::empty(None, Domain::unbounded(), time_step))
+    }
+
+    fn empty(fluid: Option<Fluid>, domain: Domain, time_step: f64) -> Self {
+        Self {
+            fluid,
+            domain,
+            walls: None,
+            wall_report: None,
+            bodies: Vec::new(),
+            infos: Vec::new(),
+            fields: Vec::new(),
+            x: Soa3::default(),
+            v: Soa3::default(),
+            fluid_velocity: Soa3::default(),
+            on_fluid: Soa3::default(),
+            loads: Loads::default(),
+            time: 0.0,
+            time_step,
+            step: 0,
+            next_id: 0,
+            guard: Guard::default(),
+            ready: false,
+        }
+    }
+
+    /// Replaces what the guard allows.
+    pub fn with_guard(mut self, guard: Guard) -> Self {
+        self.guard = guard;
+        self
+    }
+
+    /// Puts walls around fluid and bodies.
+    ///
+    /// # Errors
+    /// What the fluid says of the walls, and [`SceneError::BodyInWall`].
+    pub fn set_walls(&mut self, walls: Arc<dyn Boundary>) -> Result<WallReport, SceneError> {
+        for (i, info) in self.infos.iter().enumerate() {
+            outside_walls(info, self.nodes(i), walls.as_ref(), &self.domain, self.time, 0.0)?;
+        }
+        let report = match &mut self.fluid {
+            Some(fluid) => fluid.lattice.set_walls(Some(walls.clone()), self.time)?,
+            None => WallReport::default(),
+        };
+        self.walls = Some(walls);
+        self.wall_report = Some(report.clone());
+        Ok(report)
+    }
+
+    /// Puts a body into the scene under `pose` (m); returns its number.
+    ///
+    /// # Errors
+    /// [`SceneError::BodyInWall`], [`SceneError::NeedsFluid`], [`SceneError::Exchange`]; the scene is unchanged then.
+    pub fn add_body(&mut self, body: impl ImmersedBody, pose: &Isometry3<f64>) -> Result<u32, SceneError> {
+        let placed: Soa3 = body
+            .reference()
+            .iter()
+            .map(|p| (pose * Point3::from(p)).coords)
+            .collect();
+        let start = self.x.len();
+        let info = BodyInfo {
+            id: self.next_id,
+            kind: body.kind().to_owned(),
+            range: start..start + placed.len(),
+            triangles: body.triangles().into(),
+            motion: body.motion(),
+        };
+        if self.fluid.is_none() && matches!(info.motion, Motion::Advected | Motion::Newton { .. }) {
+            return Err(SceneError::NeedsFluid {
+                body: info.id,
+                kind: info.kind,
+            });
+        }
+        if let Some(walls) = &self.walls {
+            outside_walls(&info, placed.view(), walls.as_ref(), &self.domain, self.time, 0.0)?;
+        }
+        let rest = RestShape::of(body.reference(), body.triangles());
+        for p in placed.iter() {
+            self.x.push(p);
+        }
+        self.infos.push(info);
+        self.bodies.push(Slot {
+            body: Box::new(body),
+            rest,
+        });
+        self.resize();
+        if let Err(error) = self.tell_exchange() {
+            self.infos.pop();
+            self.bodies.pop();
+            self.x.resize(start);
+            self.resize();
+            self.tell_exchange()?;
+            return Err(error);
+        }
+        self.next_id += 1;
+        Ok(self.next_id - 1)
+    }
+
+    /// Takes a body out of the scene; the numbers of the others stay.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn remove_body(&mut self, id: u32) -> Result<(), SceneError> {
+        let at = self.index(id)?;
+        let range = self.infos[at].range.clone();
+        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity] {
+            a.x.drain(range.clone());
+            a.y.drain(range.clone());
+            a.z.drain(range.clone());
+        }
+        self.infos.remove(at);
+        self.bodies.remove(at);
+        for info in &mut self.infos[at..] {
+            info.range = info.range.start - range.len()..info.range.end - range.len();
+        }
+        self.resize();
+        self.tell_exchange()
+    }
+
+    /// Adds a force between bodies, or between bodies and walls; returns its index for [`Scene::field`].
+    pub fn add_field(&mut self, field: impl ForceField) -> usize {
+        self.fields.push(Box::new(field));
+        self.ready = false;
+        self.fields.len() - 1
+    }
+
+    fn resize(&mut self) {
+        let n = self.x.len();
+        self.v.resize(n);
+        self.fluid_velocity.resize(n);
+        self.on_fluid = Soa3::zeros(n);
+        self.loads = Loads::new(n, self.infos.len());
+        self.ready = false;
+    }
+
+    fn tell_exchange(&mut self) -> Result<(), SceneError> {
+        let Some(fluid) = &mut self.fluid else {
+            return Ok(());
+        };
+        let mut reference = Soa3::zeros(self.x.len());
+        for (info, slot) in self.infos.iter().zip(&self.bodies) {
+            for (i, p) in info.range.clone().zip(slot.body.reference().iter()) {
+                reference.set(i, p);
+            }
+        }
+        Ok(fluid
+            .exchange
+            .set_bodies(&self.infos, reference.view(), fluid.lattice.grid())?)
+    }
+
+    fn index(&self, id: u32) -> Result<usize, SceneError> {
+        self.infos
+            .iter()
+            .position(|b| b.id == id)
+            .ok_or(SceneError::UnknownBody {
+                body: id,
+                bodies: self.infos.len(),
+            })
+    }
+
+    fn nodes(&self, index: usize) -> Soa3Ref<'_> {
+        self.x.slice(self.infos[index].range.clone())
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// Time step, s.
+    pub fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &[BodyInfo] {
+        &self.infos
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> Option<&Arc<dyn Boundary>> {
+        self.walls.as_ref()
+    }
+
+    /// The box and its periods.
+    pub fn domain(&self) -> &Domain {
+        &self.domain
+    }
+
+    /// The fluid.
+    pub fn fluid(&self) -> Option<&dyn Lattice> {
+        self.fluid.as_ref().map(|f| f.lattice.as_ref())
+    }
+
+    /// The fluid as the type that it is.
+    pub fn fluid_as<T: Lattice>(&mut self) -> Option<&mut T> {
+        let lattice: &mut dyn Any = self.fluid.as_mut()?.lattice.as_mut();
+        lattice.downcast_mut()
+    }
+
+    /// A force field as the type that it is.
+    pub fn field<T: ForceField>(&self, index: usize) -> Option<&T> {
+        let field: &dyn Any = self.fields.get(index)?.as_ref();
+        field.downcast_ref()
+    }
+
+    /// A force field as the type that it is, to change it.
+    pub fn field_mut<T: ForceField>(&mut self, index: usize) -> Option<&mut T> {
+        let field: &mut dyn Any = self.fields.get_mut(index)?.as_mut();
+        field.downcast_mut()
+    }
+
+    /// A body as the type that it is.
+    pub fn body_as<T: ImmersedBody>(&self, id: u32) -> Option<&T> {
+        let body: &dyn Any = self.bodies[self.index(id).ok()?].body.as_ref();
+        body.downcast_ref()
+    }
+
+    /// Node positions of all bodies, m, not wrapped.
+    pub fn positions(&self) -> Soa3Ref<'_> {
+        self.x.view()
+    }
+
+    /// Node positions of one body, m, not wrapped.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn body_positions(&self, id: u32) -> Result<Soa3Ref<'_>, SceneError> {
+        Ok(self.nodes(self.index(id)?))
+    }
+
+    /// Puts the nodes of one body elsewhere: a deformed start, or a restart.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    ///
+    /// # Panics
+    /// If the number of positions is not the number of nodes of the body.
+    pub fn set_body_positions(&mut self, id: u32, x: Soa3Ref<'_>) -> Result<(), SceneError> {
+        let range = self.infos[self.index(id)?].range.clone();
+        assert_eq!(x.len(), range.len(), "one position per node");
+        for (i, p) in range.zip(x.iter()) {
+            self.x.set(i, p);
+        }
+        Ok(())
+    }
+
+    /// Node velocities of all bodies in the last step, m/s.
+    pub fn velocities(&self) -> Soa3Ref<'_> {
+        self.v.view()
+    }
+
+    /// Velocity of the fluid at all nodes in the last step, m/s.
+    pub fn fluid_velocities(&self) -> Soa3Ref<'_> {
+        self.fluid_velocity.view()
+    }
+
+    /// Forces of the last step on nodes and walls.
+    pub fn loads(&self) -> &Loads {
+        &self.loads
+    }
+
+    /// Least distance (m) of any node of a body from the walls; infinite without walls.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn wall_distance(&self, id: u32) -> Result<f64, SceneError> {
+        let x = self.body_positions(id)?;
+        let Some(walls) = &self.walls else {
+            return Ok(f64::INFINITY);
+        };
+        let distance = |p: Vec3| walls.probe(self.domain.wrap(p), self.time).distance;
+        Ok(x.iter().map(distance).fold(f64::INFINITY, f64::min))
+    }
+
+    /// Looks at everything, as the guard does every so many steps.
+    ///
+    /// # Errors
+    /// The first offending thing.
+    pub fn check(&self) -> Result<(), SceneError> {
+        if let Some(fluid) = &self.fluid {
+            fluid.lattice.check()?;
+        }
+        for (i, info) in self.infos.iter().enumerate() {
+            let scope = Scope {
+                x: self.nodes(i),
+                v: self.v.slice(info.range.clone()),
+                spacing: self.fluid.as_ref().map(|f| f.lattice.grid().spacing),
+                time_step: self.time_step,
+                time: self.time,
+                step: self.step,
+                walls: self.walls.as_deref(),
+                domain: &self.domain,
+            };
+            self.guard.look(info, &self.bodies[i].rest, &scope)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Scene {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "Scene at {:.4e} s (step {}, dt {:.4e} s)",
+            self.time, self.step, self.time_step
+        )?;
+        match &self.fluid {
+            Some(fluid) => {
+                let grid = fluid.lattice.grid();
+                let [nx, ny, nz] = grid.shape;
+                writeln!(f, "  fluid   {nx} x {ny} x {nz} nodes, dx {:.3e} m", grid.spacing)?;
+            }
+            None => writeln!(f, "  fluid   none")?,
+        }
+        if let Some(walls) = &self.wall_report {
+            writeln!(
+                f,
+                "  walls   {} solid nodes, {} links",
+                walls.solid_nodes, walls.wall_links
+            )?;
+        }
+        for b in &self.infos {
+            writeln!(
+                f,
+                "  body {}  {}, {} nodes, {:?}",
+                b.id,
+                b.kind,
+                b.range.len(),
+                b.motion
+            )?;
+        }
+        for field in &self.fields {
+            writeln!(f, "  force   {}", field.name())?;
+        }
+        Ok(())
+    }
+}
+
+fn view_of<'a>(scene: &'a Scene) -> View<'a> {
+    View {
+        x: scene.x.view(),
+        v: scene.v.view(),
+        bodies: &scene.infos,
+        domain: &scene.domain,
+        time: scene.time,
+        time_step: scene.time_step,
+        step: scene.step,
+    }
+}

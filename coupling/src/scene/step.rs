@@ -1,0 +1,129 @@
+//! One time step.
+
+use super::{Scene, Slot, motion};
+use crate::{BodyInfo, SceneError, Soa3Mut, Soa3Ref, View};
+
+impl Scene {
+    /// One time step: the four steps of the immersed boundary method.
+    ///
+    /// # Errors
+    /// What the guard, the fluid or the exchange find; the scene stays as it was at the fault.
+    pub fn step(&mut self) -> Result<(), SceneError> {
+        if !self.ready {
+            self.prepare()?;
+        }
+        // 1. The velocity of the fluid goes to the nodes.
+        if let Some(fluid) = self.fluid.as_mut().filter(|_| !self.infos.is_empty()) {
+            fluid.exchange.place(self.x.view(), &mut fluid.bricks)?;
+            fluid.lattice.read_velocity(&mut fluid.bricks);
+            fluid
+                .exchange
+                .interpolate(&fluid.bricks, self.fluid_velocity.view_mut());
+        }
+        // 2. The forces on the nodes: elastic, contact and other fields.
+        self.gather_loads();
+        // 3. The nodes' forces go to the fluid.
+        motion::force_on_fluid(
+            &self.infos,
+            &self.loads,
+            &self.v,
+            &self.fluid_velocity,
+            &mut self.on_fluid,
+        );
+        if let Some(fluid) = self.fluid.as_mut().filter(|_| !self.infos.is_empty()) {
+            fluid.bricks.clear_force();
+            fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
+        }
+        // 4. Fluid and nodes move.
+        if let Some(fluid) = &mut self.fluid {
+            fluid.lattice.advance(&fluid.bricks)?;
+        }
+        motion::advance(
+            &self.infos,
+            &self.loads,
+            &self.fluid_velocity,
+            self.time_step,
+            &mut self.x,
+            &mut self.v,
+        );
+        self.step += 1;
+        self.time = self.step as f64 * self.time_step;
+        if self.step.is_multiple_of(self.guard.every) {
+            self.check()?;
+        }
+        Ok(())
+    }
+
+    fn gather_loads(&mut self) {
+        self.loads.clear();
+        internal_forces(
+            &mut self.bodies,
+            &self.infos,
+            self.x.view(),
+            self.v.view(),
+            self.loads.node.view_mut(),
+        );
+        let view = View {
+            x: self.x.view(),
+            v: self.v.view(),
+            bodies: &self.infos,
+            domain: &self.domain,
+            time: self.time,
+            time_step: self.time_step,
+            step: self.step,
+        };
+        for field in &mut self.fields {
+            field.add_loads(&view, &mut self.loads);
+        }
+        self.loads.share_among_nodes(&view);
+    }
+}
+
+/// Each body's forces on its own range. Halves the bodies until one is left, so that threads share them without
+/// allocating; `force` covers the ranges of these bodies alone.
+fn internal_forces(bodies: &mut [Slot], infos: &[BodyInfo], x: Soa3Ref<'_>, v: Soa3Ref<'_>, mut force: Soa3Mut<'_>) {
+    match bodies {
+        [] => {}
+        [one] => {
+            let range = infos[0].range.clone();
+            one.body
+                .add_internal_forces(part(x, &range), part(v, &range), &mut force);
+        }
+        _ => {
+            let half = bodies.len() / 2;
+            let (left, right) = bodies.split_at_mut(half);
+            let (left_infos, right_infos) = infos.split_at(half);
+            let (left_force, right_force) = split(force, right_infos[0].range.start - left_infos[0].range.start);
+            join(
+                || internal_forces(left, left_infos, x, v, left_force),
+                || internal_forces(right, right_infos, x, v, right_force),
+            );
+        }
+    }
+}
+
+fn part<'a>(a: Soa3Ref<'a>, range: &std::ops::Range<usize>) -> Soa3Ref<'a> {
+    Soa3Ref {
+        x: &a.x[range.clone()],
+        y: &a.y[range.clone()],
+        z: &a.z[range.clone()],
+    }
+}
+
+fn split(a: Soa3Mut<'_>, at: usize) -> (Soa3Mut<'_>, Soa3Mut<'_>) {
+    let (x0, x1) = a.x.split_at_mut(at);
+    let (y0, y1) = a.y.split_at_mut(at);
+    let (z0, z1) = a.z.split_at_mut(at);
+    (Soa3Mut { x: x0, y: y0, z: z0 }, Soa3Mut { x: x1, y: y1, z: z1 })
+}
+
+#[cfg(feature = "parallel")]
+fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+    rayon::join(a, b);
+}
+
+#[cfg(not(feature = "parallel"))]
+fn join(a: impl FnOnce(), b: impl FnOnce()) {
+    a();
+    b();
+}
