@@ -1,1 +1,25 @@
-//! Work in progress.
+//! Walls, devices and contact forces.
+//!
+//! [`SlitChannel`] is the device of the gap study; [`Solid`] turns any parry shape into a
+//! [`Boundary`](lbm_ibm_coupling::Boundary). [`WallRepulsion`] and [`CellRepulsion`] keep cells off walls and off each
+//! other by a [`SoftSphere`] law.
+
+mod cell;
+mod error;
+#[cfg(feature = "parry")]
+mod slit;
+mod soft_sphere;
+#[cfg(feature = "parry")]
+mod solid;
+mod wall;
+
+pub use cell::CellRepulsion;
+pub use error::ContactError;
+#[cfg(feature = "parry")]
+pub use parry3d_f64 as parry;
+#[cfg(feature = "parry")]
+pub use slit::SlitChannel;
+pub use soft_sphere::{CutOff, SoftSphere};
+#[cfg(feature = "parry")]
+pub use solid::Solid;
+pub use wall::WallRepulsion;

@@ -1,1 +1,1 @@
-//! Work in progress.
+//! Magnetic sources and beads. Empty in this version.

@@ -1,0 +1,124 @@
+//! Nodes of different cells against each other.
+
+use crate::SoftSphere;
+use lbm_ibm_coupling::{CellList, ForceField, Loads, Vec3, View};
+
+/// Soft-sphere repulsion between nodes of different bodies, over the nearest periodic image.
+pub struct CellRepulsion {
+    law: SoftSphere,
+    list: CellList,
+    body_of: Vec<u32>,
+}
+
+impl CellRepulsion {
+    /// `law` between nodes of different bodies.
+    pub fn new(law: SoftSphere) -> Self {
+        Self {
+            law,
+            list: CellList::new(),
+            body_of: Vec::new(),
+        }
+    }
+
+    fn find(&mut self, view: &View<'_>) {
+        self.body_of.resize(view.x.len(), 0);
+        for (b, body) in view.bodies.iter().enumerate() {
+            self.body_of[body.range.clone()].fill(b as u32);
+        }
+        self.list.build(view.x, view.domain, self.law.cutoff());
+    }
+
+    /// Calls `touch(i, j, direction from j to i, distance)` for every pair within reach.
+    fn for_each_contact(&self, view: &View<'_>, mut touch: impl FnMut(usize, usize, Vec3, f64)) {
+        self.list.for_each_pair(|i, j| {
+            if self.body_of[i] == self.body_of[j] {
+                return;
+            }
+            let d = view.domain.shortest(view.x.get(i) - view.x.get(j));
+            let r = d.norm();
+            if r < self.law.cutoff() && r > 0.0 {
+                touch(i, j, d / r, r);
+            }
+        });
+    }
+}
+
+impl ForceField for CellRepulsion {
+    fn name(&self) -> &str {
+        "soft-sphere repulsion between cells"
+    }
+
+    fn add_loads(&mut self, view: &View<'_>, loads: &mut Loads) {
+        if view.bodies.len() < 2 {
+            return;
+        }
+        self.find(view);
+        self.for_each_contact(view, |i, j, direction, r| {
+            let force = direction * self.law.force(r);
+            loads.node.add(i, force);
+            loads.node.add(j, -force);
+        });
+    }
+
+    fn energy(&mut self, view: &View<'_>) -> Option<f64> {
+        if view.bodies.len() < 2 {
+            return Some(0.0);
+        }
+        self.find(view);
+        let mut sum = 0.0;
+        self.for_each_contact(view, |_, _, _, r| sum += self.law.energy(r));
+        Some(sum)
+    }
+
+    fn stiffness(&self, view: &View<'_>) -> Option<f64> {
+        (view.bodies.len() > 1).then(|| self.law.stiffness())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+    use lbm_ibm_coupling::{BodyInfo, Domain, Motion, Soa3};
+
+    fn body(id: u32, range: std::ops::Range<usize>) -> BodyInfo {
+        BodyInfo {
+            id,
+            kind: "cell".into(),
+            range,
+            triangles: [].into(),
+            motion: Motion::Advected,
+        }
+    }
+
+    #[test]
+    fn only_different_cells_repel_and_they_do_it_over_the_period() {
+        let um = 1e-6;
+        let domain = Domain {
+            origin: Vec3::zeros(),
+            size: Vec3::repeat(10.0 * um),
+            periodic: [true; 3],
+        };
+        let x: Soa3 = [[0.05, 5.0, 5.0], [0.15, 5.0, 5.0], [9.9, 5.0, 5.0]]
+            .map(|p| Vec3::from(p) * um)
+            .into_iter()
+            .collect();
+        let bodies = [body(0, 0..2), body(1, 2..3)];
+        let view = View {
+            x: x.view(),
+            v: x.view(),
+            bodies: &bodies,
+            domain: &domain,
+            time: 0.0,
+            time_step: 1e-7,
+            step: 0,
+        };
+        let law = SoftSphere::paper_cell();
+        let mut loads = Loads::new(3, 2);
+        CellRepulsion::new(law).add_loads(&view, &mut loads);
+        let (near, far) = (law.force(0.15 * um), law.force(0.25 * um));
+        assert_relative_eq!(loads.node.x[0], near, max_relative = 1e-9);
+        assert_relative_eq!(loads.node.x[1], far, max_relative = 1e-9);
+        assert_relative_eq!(loads.node.x[2], -near - far, max_relative = 1e-9);
+    }
+}

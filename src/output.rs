@@ -1,0 +1,19 @@
+//! Files, charts and progress.
+
+mod error;
+#[cfg(feature = "plot")]
+mod plot;
+#[cfg(feature = "progress")]
+mod progress;
+mod table;
+#[cfg(feature = "vtk")]
+mod vtk;
+
+pub use error::OutputError;
+#[cfg(feature = "plot")]
+pub use plot::{Chart, Mark};
+#[cfg(feature = "progress")]
+pub use progress::Progress;
+pub use table::{write_csv, write_json};
+#[cfg(feature = "vtk")]
+pub use vtk::{VtkSeries, write_walls};
