@@ -84,8 +84,14 @@ pub trait Exchange: Any + Send {
     fn spread(&mut self, force: Soa3Ref<'_>, bricks: &mut Bricks);
 
     /// Longest time step (s) at which the explicit motion of `body` (nodes at `x`, m) in a fluid of dynamic `viscosity`
-    /// (Pa s) is stable, where the exchange can tell.
-    fn stable_step(&self, _body: &mut dyn ImmersedBody, _x: Soa3Ref<'_>, _viscosity: f64) -> Option<f64> {
+    /// (Pa s) and `density` (kg/m3) is stable, where the exchange can tell.
+    fn stable_step(
+        &self,
+        _body: &mut dyn ImmersedBody,
+        _x: Soa3Ref<'_>,
+        _viscosity: f64,
+        _density: f64,
+    ) -> Option<f64> {
         None
     }
 }

@@ -1,6 +1,6 @@
 //! The time step against the stiffness of bodies and fields, before the first step.
 
-use super::{Scene, view_of};
+use super::{Fluid, Scene, view_of};
 use crate::{ImmersedBody, Motion, SceneError, Soa3, Soa3Ref};
 use std::f64::consts::PI;
 
@@ -15,17 +15,12 @@ impl Scene {
             let info = &self.infos[i];
             let x = self.x.slice(info.range.clone());
             let body = self.bodies[i].body.as_mut();
-            let limit = match info.motion {
-                Motion::Advected => self
-                    .fluid
-                    .as_ref()
-                    .and_then(|fluid| fluid.exchange.stable_step(body, x, fluid.lattice.viscosity())),
-                Motion::Newton { node_mass, friction } => {
-                    let elastic = 2.0 * (node_mass / greatest_stiffness(body, x)).sqrt();
-                    Some(elastic.min(2.0 * node_mass / friction))
+            let limit = match (&self.fluid, info.motion) {
+                (Some(Fluid { exchange, lattice, .. }), _) => {
+                    exchange.stable_step(body, x, lattice.viscosity(), lattice.density())
                 }
-                Motion::Overdamped { friction } => Some(2.0 * friction / greatest_stiffness(body, x)),
-                Motion::Frozen => None,
+                (None, Motion::Overdamped { friction }) => Some(2.0 * friction / greatest_stiffness(body, x)),
+                (None, _) => None,
             };
             self.accept(limit, || format!("the elasticity of body {} ({})", info.id, info.kind))?;
         }

@@ -6,23 +6,18 @@ use crate::{BodyInfo, SceneError, Soa3Mut, Soa3Ref, View};
 impl Scene {
     /// One time step: the four steps of the immersed boundary method.
     ///
+    /// They form a cycle, and it matters where a step begins: here nodes move with the velocity that their own forces
+    /// have made (the symplectic order), which is stable for time steps at which moving them with the velocity of the
+    /// step before is not.
+    ///
     /// # Errors
     /// What the guard, the fluid or the exchange find; the scene stays as it was at the fault.
     pub fn step(&mut self) -> Result<(), SceneError> {
         if !self.ready {
             self.prepare()?;
         }
-        // 1. The velocity of the fluid goes to the nodes.
-        if let Some(fluid) = self.fluid.as_mut().filter(|_| !self.infos.is_empty()) {
-            fluid.exchange.place(self.x.view(), &mut fluid.bricks)?;
-            fluid.lattice.read_velocity(&mut fluid.bricks);
-            fluid
-                .exchange
-                .interpolate(&fluid.bricks, self.fluid_velocity.view_mut());
-        }
-        // 2. The forces on the nodes: elastic, contact and other fields.
+        // 1. The forces on the nodes: elastic, contact and other fields, friction against the fluid.
         self.gather_loads();
-        // 3. The nodes' forces go to the fluid.
         motion::force_on_fluid(
             &self.infos,
             &self.loads,
@@ -30,13 +25,22 @@ impl Scene {
             &self.fluid_velocity,
             &mut self.on_fluid,
         );
-        if let Some(fluid) = self.fluid.as_mut().filter(|_| !self.infos.is_empty()) {
-            fluid.bricks.clear_force();
-            fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
-        }
-        // 4. Fluid and nodes move.
         if let Some(fluid) = &mut self.fluid {
+            // 2. The nodes' forces go to the fluid.
+            if !self.infos.is_empty() {
+                fluid.exchange.place(self.x.view(), &mut fluid.bricks)?;
+                fluid.bricks.clear_force();
+                fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
+            }
+            // 3. The fluid moves.
             fluid.lattice.advance(&fluid.bricks)?;
+            // 4. The velocity of the fluid goes to the nodes, and they move.
+            if !self.infos.is_empty() {
+                fluid.lattice.read_velocity(&mut fluid.bricks);
+                fluid
+                    .exchange
+                    .interpolate(&fluid.bricks, self.fluid_velocity.view_mut());
+            }
         }
         motion::advance(
             &self.infos,

@@ -1,0 +1,103 @@
+//! Holds the library against analytic solutions and published data.
+
+use clap::Parser;
+use lbm_ibm_benches::reference::Table;
+use lbm_ibm_benches::validate::{CASES, Effort, Finding};
+use std::error::Error;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Holds the library against analytic solutions and published data. A case has the name of a reference file.
+#[derive(Parser)]
+struct Options {
+    /// Cases to run; all by default.
+    cases: Vec<String>,
+    /// Leave out slow rows; ends in three minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Folder of reference files in the same columns, instead of the package's own.
+    #[arg(long, value_name = "DIR")]
+    reference: Option<PathBuf>,
+    /// Write all findings as JSON.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    /// Print every finding, not only each case's worst.
+    #[arg(long)]
+    verbose: bool,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    match run(&options) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("validate: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<bool, Box<dyn Error>> {
+    for name in &options.cases {
+        if !CASES.iter().any(|(n, _)| n == name) {
+            let known: Vec<_> = CASES.iter().map(|(n, _)| *n).collect();
+            return Err(format!("there is no case `{name}`; the cases are {}", known.join(", ")).into());
+        }
+    }
+    let folder = options.reference.clone().unwrap_or_else(Table::own_folder);
+    let effort = Effort { quick: options.quick };
+    let wanted = |name: &str| options.cases.is_empty() || options.cases.iter().any(|c| c == name);
+    let mut all = Vec::new();
+    for (name, case) in CASES.iter().filter(|(n, _)| wanted(n)) {
+        let found = case(&Table::read(&folder, name)?, effort)?.found;
+        print_case(name, &found, options.verbose);
+        all.extend(found);
+    }
+    if let Some(path) = &options.json {
+        lbm_ibm::output::write_json(path, &all)?;
+    }
+    let failed = all.iter().filter(|f| !f.pass).count();
+    println!("{} passed, {failed} failed", all.len() - failed);
+    Ok(failed == 0)
+}
+
+fn print_case(name: &str, found: &[Finding], verbose: bool) {
+    println!("{name}");
+    let gated = |f: &&Finding| f.gate.is_some();
+    let over = |f: &Finding| f.relative_error / f.gate.unwrap_or(1.0).max(f64::MIN_POSITIVE);
+    let worst = found.iter().filter(gated).max_by(|a, b| over(a).total_cmp(&over(b)));
+    for f in found {
+        let is_worst = worst.is_some_and(|w| std::ptr::eq(w, f));
+        if verbose || !f.pass || is_worst || f.quantity.starts_with("order") {
+            print_finding(f);
+        }
+    }
+    let rows = found.iter().filter(gated).count();
+    let seconds: f64 = seconds_of_rows(found);
+    println!("  {rows} gated quantities, {} reported, {seconds:.1} s", found.len() - rows);
+}
+
+/// The last finding of each row has the seconds of the row.
+fn seconds_of_rows(found: &[Finding]) -> f64 {
+    let ends = found.iter().zip(found.iter().skip(1).map(Some).chain([None]));
+    ends.filter(|(f, next)| next.is_none_or(|n| n.row != f.row)).map(|(f, _)| f.seconds).sum()
+}
+
+fn print_finding(f: &Finding) {
+    let row: Vec<_> = f.row.iter().map(|(k, v)| format!("{k}={v}")).collect();
+    let verdict = match (f.gate, f.pass) {
+        (None, _) => "reported".to_owned(),
+        (Some(gate), true) => format!("ok   (gate {gate:.1e})"),
+        (Some(gate), false) => format!("FAIL (gate {gate:.1e})"),
+    };
+    println!(
+        "  {:44} {:24} {:14.7e} ref {:14.7e} err {:9.2e} {verdict} {:.2} s",
+        row.join(" "),
+        f.quantity,
+        f.value,
+        f.reference,
+        f.relative_error,
+        f.seconds
+    );
+}

@@ -1,0 +1,102 @@
+//! What a case finds.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// One quantity of one row against its reference.
+#[derive(Clone, Debug, Serialize)]
+pub struct Finding {
+    /// Case.
+    pub case: String,
+    /// Key columns of the row.
+    pub row: BTreeMap<String, String>,
+    /// What was computed.
+    pub quantity: String,
+    /// Its value.
+    pub value: f64,
+    /// What it should be.
+    pub reference: f64,
+    /// What the error is relative to.
+    pub scale: f64,
+    /// |value - reference|/scale.
+    pub relative_error: f64,
+    /// Greatest error that passes; none where the quantity is only reported.
+    pub gate: Option<f64>,
+    /// Whether it passes.
+    pub pass: bool,
+    /// Wall-clock seconds.
+    pub seconds: f64,
+}
+
+/// Findings of a case, and the clock of the row under way.
+pub struct Findings {
+    case: String,
+    row: BTreeMap<String, String>,
+    clock: Instant,
+    /// What was found.
+    pub found: Vec<Finding>,
+}
+
+impl Findings {
+    /// Nothing yet.
+    pub fn of(case: &str) -> Self {
+        Self {
+            case: case.to_owned(),
+            row: BTreeMap::new(),
+            clock: Instant::now(),
+            found: Vec::new(),
+        }
+    }
+
+    /// Begins a row; its seconds count from here.
+    pub fn begin(&mut self, row: BTreeMap<String, String>) {
+        self.row = row;
+        self.clock = Instant::now();
+    }
+
+    /// A quantity with its gate; the error is relative to the reference.
+    pub fn check(&mut self, quantity: &str, value: f64, reference: f64, gate: f64) {
+        self.push(quantity, value, reference, reference.abs(), Some(gate));
+    }
+
+    /// A quantity with its gate; the error is relative to `scale`.
+    pub fn check_scaled(&mut self, quantity: &str, value: f64, reference: f64, scale: f64, gate: f64) {
+        self.push(quantity, value, reference, scale, Some(gate));
+    }
+
+    /// A quantity that has to be at least `least`, such as an order of convergence: the error is how far it falls short.
+    pub fn check_at_least(&mut self, quantity: &str, value: f64, least: f64) {
+        self.push(quantity, value, least, 1.0, Some(0.0));
+        if let Some(last) = self.found.last_mut() {
+            last.relative_error = (least - value).max(0.0);
+            last.pass = value >= least;
+        }
+    }
+
+    /// A quantity that is reported and gates nothing.
+    pub fn report(&mut self, quantity: &str, value: f64, reference: f64, scale: f64) {
+        self.push(quantity, value, reference, scale, None);
+    }
+
+    fn push(&mut self, quantity: &str, value: f64, reference: f64, scale: f64, gate: Option<f64>) {
+        let relative_error = (value - reference).abs() / scale;
+        self.found.push(Finding {
+            case: self.case.clone(),
+            row: self.row.clone(),
+            quantity: quantity.to_owned(),
+            value,
+            reference,
+            scale,
+            relative_error,
+            gate,
+            pass: gate.is_none_or(|g| relative_error <= g),
+            seconds: self.clock.elapsed().as_secs_f64(),
+        });
+    }
+}
+
+/// Observed order of convergence from errors at two spacings.
+pub fn observed_order(coarse: (f64, f64), fine: (f64, f64)) -> f64 {
+    (coarse.1 / fine.1).ln() / (coarse.0 / fine.0).ln()
+}

@@ -1,0 +1,154 @@
+//! The static estimate: the force that squeezes the cell through the slit without any fluid.
+
+use crate::device::Device;
+use lbm_ibm::contact::WallRepulsion;
+use lbm_ibm::coupling::nalgebra::Point3;
+use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, Vec3, View};
+use lbm_ibm::membrane::Cell;
+use std::error::Error;
+
+/// Distance of the stops on the way, m.
+const STRIDE: f64 = 0.2 * UM;
+/// A stop is at rest when no node feels more than this beside the push, N.
+const TOLERANCE: f64 = 2e-14;
+/// Most rounds at a stop.
+const ROUNDS: usize = 4000;
+
+/// The hardest stop on the way through the slit.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Squeeze {
+    /// Greatest push along x that holds the cell at rest on its way in, N; zero where it falls through.
+    pub force: f64,
+    /// Area of the slit that the cell blocks there, m2: gap times the cell's extent along the slit.
+    pub blocked: f64,
+    /// Greatest force left on a node at any stop, N.
+    pub residual: f64,
+}
+
+/// Moves the cell's centre in small strides from before the slit to its middle. At each stop the nodes come to rest
+/// with the centre's x held by equal forces on all nodes, whose sum is the push.
+pub fn squeeze(device: &Device) -> Result<Squeeze, Box<dyn Error>> {
+    let cell = device.cell()?;
+    let start = device.start();
+    let x: Soa3 = cell
+        .reference()
+        .iter()
+        .map(|p| (start * Point3::from(p)).coords)
+        .collect();
+    let n = x.len();
+    let mut pusher = Pusher {
+        contact: WallRepulsion::new(device.walls()?, device.contact()),
+        cell,
+        x,
+        v: Soa3::zeros(n),
+        loads: Loads::new(n, 0),
+    };
+    let radius = 0.5 * device.subject.diameter();
+    let first = device.entry - 1.2 * radius;
+    pusher.shift(first - pusher.x.view().mean().x);
+    let stops = ((0.5 * (device.entry + device.exit) - first) / STRIDE).ceil() as usize;
+    let mut hardest = Squeeze::default();
+    for _ in 0..stops {
+        pusher.shift(STRIDE);
+        let (push, residual) = pusher.rest();
+        hardest.residual = hardest.residual.max(residual);
+        if push > hardest.force {
+            let z = &pusher.x.z;
+            let width =
+                z.iter().copied().fold(f64::NEG_INFINITY, f64::max) - z.iter().copied().fold(f64::INFINITY, f64::min);
+            hardest.force = push;
+            hardest.blocked = width * device.gap;
+        }
+    }
+    Ok(hardest)
+}
+
+struct Pusher {
+    cell: Cell,
+    contact: WallRepulsion,
+    x: Soa3,
+    v: Soa3,
+    loads: Loads,
+}
+
+impl Pusher {
+    fn shift(&mut self, way: f64) {
+        for x in &mut self.x.x {
+            *x += way;
+        }
+    }
+
+    /// Fills the forces, and takes off their mean along x: returns the push that stands for it, N.
+    fn forces(&mut self) -> f64 {
+        self.loads.clear();
+        self.cell
+            .add_internal_forces(self.x.view(), self.v.view(), &mut self.loads.node.view_mut());
+        let view = View {
+            x: self.x.view(),
+            v: self.v.view(),
+            bodies: &[],
+            domain: &Domain::unbounded(),
+            time: 0.0,
+            time_step: 1.0,
+            step: 0,
+        };
+        self.contact.add_loads(&view, &mut self.loads);
+        let along = &mut self.loads.node.x;
+        let sum: f64 = along.iter().sum();
+        let mean = sum / along.len() as f64;
+        along.iter_mut().for_each(|f| *f -= mean);
+        -sum
+    }
+
+    /// Brings the nodes to rest by the FIRE rule (Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201) with unit masses.
+    fn rest(&mut self) -> (f64, f64) {
+        const MIXING: f64 = 0.1;
+        let longest = 0.5 / self.stiffness().sqrt();
+        let (mut step, mut mixing, mut downhill) = (0.3 * longest, MIXING, 0);
+        let (mut push, mut residual) = (0.0, 0.0);
+        self.v.fill(0.0);
+        for _ in 0..ROUNDS {
+            push = self.forces();
+            let f = &self.loads.node;
+            residual = f.iter().map(|f| f.norm()).fold(0.0, f64::max);
+            if residual < TOLERANCE {
+                break;
+            }
+            let dot = |a: &Soa3, b: &Soa3| a.iter().zip(b.iter()).map(|(a, b)| a.dot(&b)).sum::<f64>();
+            if dot(f, &self.v) > 0.0 {
+                let ratio = mixing * (dot(&self.v, &self.v) / dot(f, f)).sqrt();
+                for i in 0..self.v.len() {
+                    self.v.set(i, self.v.get(i) * (1.0 - mixing) + f.get(i) * ratio);
+                }
+                downhill += 1;
+                if downhill > 5 {
+                    step = (1.1 * step).min(longest);
+                    mixing *= 0.99;
+                }
+            } else {
+                self.v.fill(0.0);
+                (step, mixing, downhill) = (0.5 * step, MIXING, 0);
+            }
+            for i in 0..self.v.len() {
+                self.v.add(i, self.loads.node.get(i) * step);
+                let way: Vec3 = self.v.get(i) * step;
+                self.x.add(i, way);
+            }
+        }
+        (push, residual)
+    }
+
+    /// A bound of the stiffness of a node, N/m: that of the contact and of the cell's laws together.
+    fn stiffness(&self) -> f64 {
+        let view = View {
+            x: self.x.view(),
+            v: self.v.view(),
+            bodies: &[],
+            domain: &Domain::unbounded(),
+            time: 0.0,
+            time_step: 1.0,
+            step: 0,
+        };
+        self.contact.stiffness(&view).unwrap_or(0.0) + 0.02
+    }
+}

@@ -1,0 +1,83 @@
+//! One direction of the grid: where stencils begin, and where bricks and the grid end.
+
+use crate::kernel::lower_corner;
+use lbm_ibm_coupling::{BRICK_EDGE, Grid};
+
+/// One axis of a grid as stencils see it.
+#[derive(Clone, Copy)]
+pub(crate) struct Axis {
+    origin: f64,
+    nodes: i64,
+    periodic: bool,
+}
+
+/// A run of nodes along an axis of a tile that lies in one brick.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Segment {
+    pub brick: usize,
+    pub local: usize,
+    pub tile: usize,
+    pub size: usize,
+}
+
+/// Most segments along an axis: a tile has at most 13 nodes.
+pub(crate) const SEGMENTS: usize = 13;
+
+impl Axis {
+    pub fn all(grid: &Grid) -> [Self; 3] {
+        [0, 1, 2].map(|a| Self {
+            origin: grid.origin[a],
+            nodes: grid.shape[a] as i64,
+            periodic: grid.periodic[a],
+        })
+    }
+
+    /// Brick, corner in it and remainder of a coordinate (m); none outside the grid.
+    #[inline]
+    pub fn home(&self, x: f64, per_spacing: f64, support: usize) -> Option<(usize, i8, f64)> {
+        let s = (x - self.origin) * per_spacing;
+        let (mut lower, f) = lower_corner(s - 0.5, support);
+        if self.periodic {
+            if !s.is_finite() {
+                return None;
+            }
+            if lower < 0 || lower >= self.nodes {
+                lower = lower.rem_euclid(self.nodes);
+            }
+        } else if !(s >= 0.0 && s <= self.nodes as f64) {
+            return None;
+        }
+        let edge = BRICK_EDGE as i64;
+        let brick = lower.max(0) / edge;
+        Some((brick as usize, (lower - brick * edge) as i8, f))
+    }
+
+    /// Cuts `size` nodes from `corner` of `brick` on at brick and grid edges; nodes outside the grid are left out.
+    pub fn segments(&self, brick: usize, corner: i8, size: usize, out: &mut [Segment; SEGMENTS]) -> usize {
+        let first = (brick * BRICK_EDGE) as i64 + i64::from(corner);
+        let mut count = 0;
+        let mut t = 0;
+        while t < size {
+            let mut node = first + t as i64;
+            if self.periodic {
+                node = node.rem_euclid(self.nodes);
+            } else if node < 0 || node >= self.nodes {
+                t += 1;
+                continue;
+            }
+            let (brick, local) = (node as usize / BRICK_EDGE, node as usize % BRICK_EDGE);
+            let run = (size - t)
+                .min(BRICK_EDGE - local)
+                .min(self.nodes as usize - node as usize);
+            out[count] = Segment {
+                brick,
+                local,
+                tile: t,
+                size: run,
+            };
+            count += 1;
+            t += run;
+        }
+        count
+    }
+}

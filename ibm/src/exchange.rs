@@ -1,0 +1,292 @@
+//! [`DeltaExchange`], the exchange by delta kernels.
+
+use crate::kernel::{Cosine, Cubic, Hat, Kernel, Peskin, Quadratic, Roma};
+use crate::placement::Placement;
+use crate::stability::{inertial_step, node_radius, stable_step};
+use crate::subdivision::{Subdivision, edges, longest_edge};
+use crate::surface::{Markers, Surface, parts};
+use crate::table::{Scratch, Table};
+use crate::transfer::{self, Node};
+use lbm_ibm_coupling::{BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Soa3, Soa3Mut, Soa3Ref};
+use std::ops::Range;
+
+/// Exchange of velocity and force by a [`Kernel`] on markers.
+///
+/// Velocity is interpolated to the markers, `u_m = sum_n delta(x_m - x_n) u_n`, and averaged over the patch of each
+/// node; forces take the transposed path, so that power and total force are kept: `sum_j F_j U_j = sum_n f_n u_n`.
+///
+/// At a face of the grid that is not periodic, nodes of a stencil beyond the face are at rest and their share of the
+/// force goes to the wall.
+///
+/// ```
+/// use lbm_ibm_coupling::{Bricks, Exchange, Grid, Soa3, Vec3};
+/// use lbm_ibm_ibm::{DeltaExchange, Kernel};
+/// # use lbm_ibm_coupling::{BodyInfo, Motion};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let x: Soa3 = [Vec3::new(2e-6, 3e-6, 4e-6)].into_iter().collect();
+/// # let body = BodyInfo {
+/// #     id: 0, kind: "bead".into(), range: 0..1, triangles: [].into(), motion: Motion::Advected,
+/// # };
+/// let grid = Grid::new([16, 16, 16], 0.5e-6, [true; 3]);
+/// let mut bricks = Bricks::new(&grid);
+/// let mut exchange = DeltaExchange::new(Kernel::RomaThree);
+/// exchange.set_bodies(&[body], x.view(), &grid)?;
+/// exchange.place(x.view(), &mut bricks)?;
+/// bricks.velocity_mut()[0].fill(1e-3); // the fluid's part
+/// let mut velocity = Soa3::zeros(x.len());
+/// exchange.interpolate(&bricks, velocity.view_mut());
+/// assert!((velocity.x[0] - 1e-3).abs() < 1e-15);
+/// exchange.spread(velocity.view(), &mut bricks);
+/// # Ok(()) }
+/// ```
+#[derive(Clone, Debug)]
+pub struct DeltaExchange {
+    kernel: Kernel,
+    markers: Markers,
+    grid: Option<Grid>,
+    nodes: usize,
+    surfaces: Vec<Surface>,
+    table: Table,
+    placement: Placement,
+    tiles: Vec<Node>,
+    velocity: Vec<[f64; 3]>,
+    scratch: Scratch,
+}
+
+impl DeltaExchange {
+    /// An exchange with markers on surfaces, at most a grid spacing apart.
+    pub fn new(kernel: Kernel) -> Self {
+        Self {
+            kernel,
+            markers: Markers::default(),
+            grid: None,
+            nodes: 0,
+            surfaces: Vec::new(),
+            table: Table::default(),
+            placement: Placement::default(),
+            tiles: Vec::new(),
+            velocity: Vec::new(),
+            scratch: Scratch::default(),
+        }
+    }
+
+    /// The same with other markers.
+    pub fn with_markers(mut self, markers: Markers) -> Self {
+        self.markers = markers;
+        self
+    }
+
+    /// Its kernel.
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
+    /// Where its markers are.
+    pub fn markers(&self) -> Markers {
+        self.markers
+    }
+
+    /// Number of nodes of all bodies.
+    pub fn node_count(&self) -> usize {
+        self.nodes
+    }
+
+    /// Number of markers of all bodies.
+    pub fn marker_count(&self) -> usize {
+        self.table.len()
+    }
+
+    /// Each body's number and the parts into which its edges are divided. It grows as a body is stretched and never
+    /// shrinks while the body stays.
+    pub fn divisions(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        self.surfaces.iter().map(|s| (s.id, s.division))
+    }
+
+    /// Positions of all markers (m) for node positions `x` (m), in the order of the bodies.
+    pub fn marker_positions(&self, x: Soa3Ref<'_>) -> Soa3 {
+        (0..self.table.len())
+            .map(|m| self.table.position(m, x).into())
+            .collect()
+    }
+
+    fn rebuild_table(&mut self) {
+        let bodies = self.surfaces.iter().map(|s| (s.range.clone(), &s.subdivision));
+        self.table = Table::new(self.nodes, bodies);
+    }
+
+    /// Divides stretched bodies more finely.
+    fn close_gaps(&mut self, x: Soa3Ref<'_>, spacing: f64) -> Result<(), ExchangeError> {
+        let Markers::Surface { max_gap, max_division } = self.markers else {
+            return Ok(());
+        };
+        let mut changed = false;
+        let mut gap = Ok(());
+        for s in self.surfaces.iter_mut().filter(|s| !s.edges.is_empty()) {
+            let (longest, triangle) = longest_edge(part(x, &s.range), &s.edges);
+            let allowed = max_gap * spacing;
+            if longest > allowed * s.division as f64 {
+                let division = parts(longest, 0.9 * allowed, max_division.max(s.division));
+                if division > s.division {
+                    s.divide(division);
+                    changed = true;
+                }
+            }
+            let gap_in_cells = longest / (spacing * s.division as f64);
+            let limit = 1.2 * max_gap;
+            if gap_in_cells > limit && gap.is_ok() {
+                gap = Err(ExchangeError::MarkerGap {
+                    body: s.id,
+                    triangle,
+                    gap_in_cells,
+                    limit,
+                });
+            }
+        }
+        if changed {
+            self.rebuild_table();
+        }
+        gap
+    }
+
+    /// Number of the body that owns a marker.
+    fn owner(&self, marker: usize) -> u32 {
+        let mut first = 0;
+        for s in &self.surfaces {
+            first += s.subdivision.len();
+            if marker < first {
+                return s.id;
+            }
+        }
+        0
+    }
+}
+
+fn part<'a>(x: Soa3Ref<'a>, range: &Range<usize>) -> Soa3Ref<'a> {
+    Soa3Ref {
+        x: &x.x[range.clone()],
+        y: &x.y[range.clone()],
+        z: &x.z[range.clone()],
+    }
+}
+
+impl Exchange for DeltaExchange {
+    fn set_bodies(&mut self, bodies: &[BodyInfo], reference: Soa3Ref<'_>, grid: &Grid) -> Result<(), ExchangeError> {
+        let support = self.kernel.support();
+        if let Some(axis) = (0..3).find(|&a| grid.periodic[a] && grid.shape[a] < support) {
+            return Err(ExchangeError::GridTooSmall {
+                axis,
+                nodes: grid.shape[axis],
+                support,
+            });
+        }
+        let nodes = reference.len();
+        let old = std::mem::take(&mut self.surfaces);
+        for body in bodies {
+            let reference: Soa3 = part(reference, &body.range).iter().collect();
+            let edges = edges(&body.triangles);
+            let longest = longest_edge(reference.view(), &edges).0;
+            let kept = old.iter().find(|s| s.id == body.id).map_or(1, |s| s.division);
+            let division = self.markers.division_at_rest(longest, grid.spacing).max(kept);
+            let mut surface = Surface {
+                id: body.id,
+                range: body.range.clone(),
+                triangles: body.triangles.clone(),
+                reference,
+                edges,
+                division: 1,
+                subdivision: Subdivision::default(),
+            };
+            surface.divide(division);
+            self.surfaces.push(surface);
+        }
+        self.grid = Some(grid.clone());
+        self.nodes = nodes;
+        self.placement = Placement::default();
+        self.rebuild_table();
+        Ok(())
+    }
+
+    fn place(&mut self, x: Soa3Ref<'_>, bricks: &mut Bricks) -> Result<(), ExchangeError> {
+        let Some(grid) = self.grid.take() else {
+            bricks.commit();
+            return Ok(());
+        };
+        let placed = self.close_gaps(x, grid.spacing).and_then(|()| {
+            let support = self.kernel.support();
+            self.placement
+                .place(&self.table, x, &grid, support, bricks)
+                .map_err(|(marker, position)| ExchangeError::OutsideGrid {
+                    body: self.owner(marker),
+                    position: position.into(),
+                })
+        });
+        self.grid = Some(grid);
+        placed
+    }
+
+    fn interpolate(&mut self, bricks: &Bricks, velocity: Soa3Mut<'_>) {
+        let p = &self.placement;
+        if p.rank.len() != self.table.len() {
+            // Not placed since the bodies changed: nothing is in the fluid yet.
+            for out in [velocity.x, velocity.y, velocity.z] {
+                out.fill(0.0);
+            }
+            return;
+        }
+        self.tiles.resize(p.tile_nodes, [0.0; 4]);
+        self.velocity.resize(p.placed.len(), [0.0; 3]);
+        let (tiles, u) = (&mut self.tiles, &mut self.velocity);
+        match self.kernel {
+            Kernel::TwoPoint => transfer::interpolate::<2, Hat>(p, bricks, tiles, u),
+            Kernel::RomaThree => transfer::interpolate::<3, Roma>(p, bricks, tiles, u),
+            Kernel::SplineThree => transfer::interpolate::<3, Quadratic>(p, bricks, tiles, u),
+            Kernel::PeskinFour => transfer::interpolate::<4, Peskin>(p, bricks, tiles, u),
+            Kernel::CosineFour => transfer::interpolate::<4, Cosine>(p, bricks, tiles, u),
+            Kernel::SplineFour => transfer::interpolate::<4, Cubic>(p, bricks, tiles, u),
+        }
+        let (rank, u) = (&p.rank, &self.velocity);
+        let out = [velocity.x, velocity.y, velocity.z];
+        self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
+    }
+
+    fn spread(&mut self, force: Soa3Ref<'_>, bricks: &mut Bricks) {
+        let p = &self.placement;
+        if p.rank.len() != self.table.len() {
+            return;
+        }
+        self.tiles.resize(p.tile_nodes, [0.0; 4]);
+        let table = &self.table;
+        let nodes = table.to_markers(force, &mut self.scratch);
+        let f = |m: usize| table.marker_force(m, nodes);
+        let tiles = &mut self.tiles;
+        match self.kernel {
+            Kernel::TwoPoint => transfer::spread::<2, Hat>(p, f, tiles, bricks),
+            Kernel::RomaThree => transfer::spread::<3, Roma>(p, f, tiles, bricks),
+            Kernel::SplineThree => transfer::spread::<3, Quadratic>(p, f, tiles, bricks),
+            Kernel::PeskinFour => transfer::spread::<4, Peskin>(p, f, tiles, bricks),
+            Kernel::CosineFour => transfer::spread::<4, Cosine>(p, f, tiles, bricks),
+            Kernel::SplineFour => transfer::spread::<4, Cubic>(p, f, tiles, bricks),
+        }
+    }
+
+    /// Three quarters of the lesser of two limits, both by power iteration. The viscous one is `2 / lambda`, `lambda` the
+    /// largest eigenvalue of mobility times stiffness; the mobility of nodes carried by the fluid is that of Rotne, Prager
+    /// and Yamakawa, for spheres as mobile as the markers of a node; that of the others is one over their friction. The
+    /// inertial one is `2 / omega`, `omega` the fastest oscillation of the nodes with the mass of fluid that they move
+    /// within a step: their share of the surface times the thickness of the kernel, `h / sum phi^2`. It binds where a
+    /// global volume law is stiffer than the fluid is compressible.
+    fn stable_step(&self, body: &mut dyn ImmersedBody, x: Soa3Ref<'_>, viscosity: f64, density: f64) -> Option<f64> {
+        let spacing = self.grid.as_ref()?.spacing;
+        let edges = edges(body.triangles());
+        let division = self.markers.division_at_rest(longest_edge(x, &edges).0, spacing);
+        let markers = Subdivision::of_surface(body.reference(), body.triangles(), &edges, division);
+        let table = Table::new(x.len(), std::iter::once((0..x.len(), &markers)));
+        let radius = node_radius(&table, x, self.kernel.marker_radius() * spacing);
+        let (viscous, probe) = (stable_step(body, x, radius, viscosity, 1e-5 * spacing), 1e-5 * spacing);
+        let layer = density * spacing / self.kernel.sum_of_squares();
+        [viscous, inertial_step(body, x, layer, probe)]
+            .into_iter()
+            .flatten()
+            .reduce(f64::min)
+    }
+}

@@ -1,0 +1,47 @@
+//! Fork and join over slices. Results never depend on the number of threads: each output is computed whole, by one task.
+
+/// Runs both, on two threads where there are two.
+pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 {
+        return rayon::join(a, b);
+    }
+    (a(), b())
+}
+
+/// Sets `out[i]` to `value(first + i)`, at least `leaf` items to a task.
+pub(crate) fn fill<T: Send>(out: &mut [T], first: usize, leaf: usize, value: &(impl Fn(usize) -> T + Sync)) {
+    if out.len() <= leaf {
+        for (i, o) in out.iter_mut().enumerate() {
+            *o = value(first + i);
+        }
+        return;
+    }
+    let half = out.len() / 2;
+    let (a, b) = out.split_at_mut(half);
+    join(|| fill(a, first, leaf, value), || fill(b, first + half, leaf, value));
+}
+
+/// Calls `work` with the number of the first row and that task's part of three arrays with rows of `width` items, at
+/// most `leaf` rows to a task.
+pub(crate) fn rows(
+    out: [&mut [f64]; 3],
+    width: usize,
+    first: usize,
+    leaf: usize,
+    work: &(impl Fn(usize, [&mut [f64]; 3]) + Sync),
+) {
+    let count = out[0].len() / width;
+    if count <= leaf {
+        return work(first, out);
+    }
+    let half = count / 2;
+    let [x, y, z] = out;
+    let (xa, xb) = x.split_at_mut(half * width);
+    let (ya, yb) = y.split_at_mut(half * width);
+    let (za, zb) = z.split_at_mut(half * width);
+    join(
+        || rows([xa, ya, za], width, first, leaf, work),
+        || rows([xb, yb, zb], width, first + half, leaf, work),
+    );
+}

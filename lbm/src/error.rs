@@ -1,0 +1,68 @@
+//! What a fluid cannot be built with.
+
+use lbm_ibm_coupling::FluidError;
+
+/// Parameters that make no fluid, or one that would fail.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LbmError {
+    /// A quantity that must be positive and finite is not.
+    #[error("the {name} is {value}, it must be positive and finite")]
+    NotPositive {
+        /// What it is.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// A quantity that must be finite is not.
+    #[error("the {name} is {value}, it must be finite")]
+    NotFinite {
+        /// What it is.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// The grid has no nodes.
+    #[error("the grid of {} x {} x {} nodes is empty: use at least one node in each direction", shape[0], shape[1], shape[2])]
+    EmptyGrid {
+        /// Nodes in x, y, z.
+        shape: [usize; 3],
+    },
+    /// The populations would not fit in the address space.
+    #[error("a grid of {} x {} x {} nodes needs more memory than can be addressed: use a coarser spacing or a smaller box", shape[0], shape[1], shape[2])]
+    GridTooLarge {
+        /// Nodes in x, y, z.
+        shape: [usize; 3],
+    },
+    /// The relaxation time is at, below or too close to 1/2, where the fluid is unstable.
+    #[error(
+        "the relaxation time is {tau}, it must be at least {least}: use a time step of at least {time_step:.3e} s at this spacing, a finer spacing at this time step, or a higher viscosity"
+    )]
+    RelaxationTime {
+        /// Relaxation time in steps.
+        tau: f64,
+        /// Least that is accepted.
+        least: f64,
+        /// The time step at which tau is what is accepted, s.
+        time_step: f64,
+    },
+    /// Flux control along an axis that does not repeat.
+    #[error(
+        "a flux of {velocity} m/s cannot pass the closed faces of axis {axis}: make the axis periodic or drive another one"
+    )]
+    ClosedAxis {
+        /// Direction, 0 to 2.
+        axis: usize,
+        /// Superficial velocity that was asked for, m/s.
+        velocity: f64,
+    },
+    /// The processor lacks the instruction set that was asked for.
+    #[error("this processor has no {wanted}: use InstructionSet::best()")]
+    Unsupported {
+        /// What was asked for.
+        wanted: String,
+    },
+    /// The faces of the grid leave no room for a flow.
+    #[error(transparent)]
+    Walls(#[from] FluidError),
+}

@@ -1,0 +1,294 @@
+//! The fluid: its parameters, in SI units.
+
+use crate::drive::{Balance, Drive};
+use crate::error::LbmError;
+use crate::isa::{InstructionSet, Kernels};
+use crate::links::Links;
+use crate::mask::Mask;
+use crate::relaxation::{Coefficients, Collision};
+use crate::storage::Storage;
+use lbm_ibm_coupling::{Grid, Lattice, Vec3};
+
+/// Least relaxation time that is accepted: below it no velocity worth computing is stable.
+pub const LEAST_TAU: f64 = 0.5005;
+
+/// What sets the time step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Pace {
+    /// The time step, s.
+    TimeStep(f64),
+    /// The relaxation time, in time steps: `dt = (tau - 1/2)/3 dx^2 rho/mu`.
+    Tau(f64),
+}
+
+/// A viscous fluid on a grid by the lattice-Boltzmann method: D3Q19, f64, in place, halfway bounce-back at walls.
+///
+/// ```
+/// use lbm_ibm_coupling::{Bricks, Grid, Lattice};
+/// use lbm_ibm_lbm::{Drive, Fluid, Pace};
+///
+/// // Water between two plates 8 um apart, at a mean velocity of 1 mm/s.
+/// let grid = Grid::new([4, 8, 4], 1e-6, [true, false, true]);
+/// let bricks = Bricks::new(&grid);
+/// let mut water = Fluid::new(grid, 1e3, 1e-3, Pace::Tau(1.5))?.with_drive(Drive::flux(0, 1e-3))?;
+/// for _ in 0..400 {
+///     water.advance(&bricks)?;
+/// }
+/// let exact = 12.0 * 1e-3 * 1e-3 / 8e-6_f64.powi(2); // 12 mu U / h^2
+/// assert!((water.body_force().x / exact - 1.0).abs() < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// A Reynolds number is scaled by passing a larger density: the time step at a given tau grows with it.
+pub struct Fluid {
+    pub(crate) grid: Grid,
+    pub(crate) density: f64,
+    pub(crate) viscosity: f64,
+    pub(crate) time_step: f64,
+    pub(crate) tau: f64,
+    pub(crate) collision: Collision,
+    pub(crate) inertia: bool,
+    pub(crate) mach_limit: f64,
+    pub(crate) drive: Drive,
+    pub(crate) kernels: Kernels,
+    pub(crate) coefficients: Coefficients,
+    pub(crate) storage: Storage,
+    pub(crate) mask: Mask,
+    pub(crate) links: Links,
+    pub(crate) balances: Vec<Balance>,
+    pub(crate) odd: bool,
+    pub(crate) at_rest: bool,
+    pub(crate) steps: u64,
+    /// Uniform force of the last step and of the next, lattice units.
+    pub(crate) force: [[f64; 2]; 3],
+    /// Sum of the bodies' forces in the last step, lattice units.
+    pub(crate) bodies: [f64; 3],
+    /// Superficial velocity after the last step, lattice units, where the drive has needed it.
+    pub(crate) flow: Option<[f64; 3]>,
+    pub(crate) slots: Vec<[usize; 3]>,
+}
+
+impl Fluid {
+    /// A fluid at rest of `density` (kg/m3) and dynamic `viscosity` (Pa s), without walls but for the faces of the grid
+    /// that are not periodic. Collision is TRT with magic number 3/16; nothing drives it.
+    ///
+    /// # Errors
+    /// [`LbmError::NotPositive`], [`LbmError::EmptyGrid`], [`LbmError::GridTooLarge`],
+    /// [`LbmError::RelaxationTime`], [`LbmError::Walls`].
+    pub fn new(grid: Grid, density: f64, viscosity: f64, pace: Pace) -> Result<Self, LbmError> {
+        let spacing = grid.spacing;
+        for (name, value) in [
+            ("grid spacing", spacing),
+            ("density", density),
+            ("viscosity", viscosity),
+        ] {
+            positive(name, value)?;
+        }
+        if grid.is_empty() {
+            return Err(LbmError::EmptyGrid { shape: grid.shape });
+        }
+        if !Storage::fits(grid.shape) {
+            return Err(LbmError::GridTooLarge { shape: grid.shape });
+        }
+        let diffusive = spacing * spacing * density / viscosity;
+        let step_at = |tau: f64| (tau - 0.5) / 3.0 * diffusive;
+        let (tau, time_step) = match pace {
+            Pace::TimeStep(dt) => (0.5 + 3.0 * positive("time step", dt)? / diffusive, dt),
+            Pace::Tau(tau) => (positive("relaxation time", tau)?, step_at(tau)),
+        };
+        if tau < LEAST_TAU {
+            return Err(LbmError::RelaxationTime {
+                tau,
+                least: LEAST_TAU,
+                time_step: step_at(LEAST_TAU),
+            });
+        }
+        let mask = Mask::new(&grid, None, 0.0)?;
+        mask.narrowest(&grid, None, 0.0)?;
+        let storage = Storage::new(&grid);
+        let mut fluid = Self {
+            density,
+            viscosity,
+            time_step,
+            tau,
+            collision: Collision::default(),
+            inertia: true,
+            mach_limit: 0.5,
+            drive: Drive::default(),
+            kernels: Kernels::best(),
+            coefficients: Coefficients::new(Collision::default(), tau, true),
+            links: Links::default(),
+            balances: Vec::new(),
+            odd: false,
+            at_rest: true,
+            steps: 0,
+            force: [[0.0; 2]; 3],
+            bodies: [0.0; 3],
+            flow: None,
+            slots: Vec::new(),
+            grid,
+            storage,
+            mask,
+        };
+        fluid.link(None, 0.0);
+        Ok(fluid)
+    }
+
+    /// Another collision than TRT with magic number 3/16.
+    ///
+    /// # Errors
+    /// [`LbmError::NotPositive`] for the magic number.
+    pub fn with_collision(mut self, collision: Collision) -> Result<Self, LbmError> {
+        positive("magic number", collision.magic(self.tau))?;
+        self.collision = collision;
+        self.coefficients = Coefficients::new(collision, self.tau, self.inertia);
+        Ok(self)
+    }
+
+    /// Without inertia the terms of second order in the velocity are left out: Stokes flow, but still in time.
+    pub fn with_inertia(mut self, inertia: bool) -> Self {
+        self.inertia = inertia;
+        self.coefficients = Coefficients::new(self.collision, self.tau, inertia);
+        self
+    }
+
+    /// What drives the flow; see [`Fluid::set_drive`].
+    ///
+    /// # Errors
+    /// As for [`Fluid::set_drive`].
+    pub fn with_drive(mut self, drive: Drive) -> Result<Self, LbmError> {
+        self.set_drive(drive)?;
+        Ok(self)
+    }
+
+    /// Mach number (by the lattice's speed of sound) beyond which [`Lattice::check`] fails; 0.5 by default.
+    ///
+    /// # Errors
+    /// [`LbmError::NotPositive`].
+    pub fn with_mach_limit(mut self, limit: f64) -> Result<Self, LbmError> {
+        self.mach_limit = positive("Mach limit", limit)?;
+        Ok(self)
+    }
+
+    /// Another instruction set than the widest of this processor: for the same bits on every machine.
+    ///
+    /// # Errors
+    /// [`LbmError::Unsupported`].
+    pub fn with_instruction_set(mut self, isa: InstructionSet) -> Result<Self, LbmError> {
+        self.kernels = Kernels::new(isa).ok_or_else(|| LbmError::Unsupported {
+            wanted: format!("{isa:?}"),
+        })?;
+        Ok(self)
+    }
+
+    /// Changes what drives the flow, at any time. Flux control starts from the force that acted before.
+    ///
+    /// # Errors
+    /// [`LbmError::NotFinite`]; [`LbmError::ClosedAxis`] for a flux along an axis that is not periodic.
+    pub fn set_drive(&mut self, drive: Drive) -> Result<(), LbmError> {
+        drive.check(&self.grid)?;
+        let unit = self.density * self.grid.spacing / self.time_step.powi(2);
+        for a in 0..3 {
+            match drive {
+                Drive::Force(force) => self.force[a][1] = force[a] / unit,
+                Drive::Flux(target) if target[a].is_none() => self.force[a][1] = 0.0,
+                Drive::Flux(_) => {}
+            }
+            if self.steps == 0 {
+                self.force[a][0] = self.force[a][1];
+            }
+        }
+        self.drive = drive;
+        Ok(())
+    }
+
+    /// What drives the flow.
+    pub fn drive(&self) -> Drive {
+        self.drive
+    }
+
+    /// The collision.
+    pub fn collision(&self) -> Collision {
+        self.collision
+    }
+
+    /// Relaxation time, in time steps.
+    pub fn tau(&self) -> f64 {
+        self.tau
+    }
+
+    /// Kinematic viscosity in lattice units, `(tau - 1/2)/3`.
+    pub fn lattice_viscosity(&self) -> f64 {
+        (self.tau - 0.5) / 3.0
+    }
+
+    /// Predicted slip at flat walls: [`Collision::wall_slip`] at this relaxation time.
+    pub fn wall_slip(&self) -> f64 {
+        self.collision.wall_slip(self.tau)
+    }
+
+    /// Mach number of a flow of `speed` (m/s) by the lattice's speed of sound, `sqrt(3) speed dt/dx`.
+    pub fn mach(&self, speed: f64) -> f64 {
+        3.0_f64.sqrt() * speed / self.velocity_unit()
+    }
+
+    /// Steps taken.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Number of fluid nodes.
+    pub fn fluid_nodes(&self) -> usize {
+        self.mask.fluid_nodes
+    }
+
+    /// Lattice unit of velocity, m/s.
+    pub(crate) fn velocity_unit(&self) -> f64 {
+        self.grid.spacing / self.time_step
+    }
+
+    /// Lattice units of force per N on a node.
+    pub(crate) fn force_scale(&self) -> f64 {
+        self.time_step.powi(2) / (self.density * self.grid.spacing.powi(4))
+    }
+
+    /// The velocity field at this time: equilibrium plus the first order of what departs from it in a shear.
+    /// `velocity` (m/s) is taken at positions (m) within half a spacing of the fluid nodes. The pressure is zero.
+    pub fn set_velocity(&mut self, velocity: impl Fn(Vec3) -> Vec3) {
+        let (unit, spacing) = (self.velocity_unit(), self.grid.spacing);
+        self.populate(|position| {
+            let lattice = |x: Vec3| -> [f64; 3] { (velocity(x) / unit).into() };
+            let gradient = std::array::from_fn(|a| {
+                let mut step = Vec3::zeros();
+                step[a] = 0.5 * spacing;
+                let (low, high) = (lattice(position - step), lattice(position + step));
+                std::array::from_fn(|b| high[b] - low[b])
+            });
+            (lattice(position), gradient)
+        });
+    }
+}
+
+impl std::fmt::Debug for Fluid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Fluid")
+            .field("grid", self.grid())
+            .field("density", &self.density)
+            .field("viscosity", &self.viscosity)
+            .field("time_step", &self.time_step)
+            .field("tau", &self.tau)
+            .field("collision", &self.collision)
+            .field("drive", &self.drive)
+            .field("steps", &self.steps)
+            .finish_non_exhaustive()
+    }
+}
+
+fn positive(name: &'static str, value: f64) -> Result<f64, LbmError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(value)
+    } else {
+        Err(LbmError::NotPositive { name, value })
+    }
+}

@@ -1,0 +1,214 @@
+//! The fluid as its neighbours see it.
+
+use crate::drive::{Balance, Drive};
+use crate::fluid::Fluid;
+use crate::links::Row;
+use crate::mask::Mask;
+use crate::parallel;
+use crate::step::Step;
+use lbm_ibm_coupling::{
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport,
+};
+use std::sync::Arc;
+
+/// With fewer nodes a step is over before a second thread has woken up.
+const FEW_NODES: usize = 8192;
+/// Rows that a thread takes at a time.
+const PIECE: usize = 16;
+
+impl Lattice for Fluid {
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn viscosity(&self) -> f64 {
+        self.viscosity
+    }
+
+    fn density(&self) -> f64 {
+        self.density
+    }
+
+    fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError> {
+        let walls = walls.as_deref();
+        let mask = Mask::new(&self.grid, walls, t)?;
+        let narrowest = mask.narrowest(&self.grid, walls, t)?;
+        self.replace_mask(mask, walls, t);
+        Ok(WallReport {
+            fluid_nodes: self.mask.fluid_nodes,
+            solid_nodes: self.grid.len() - self.mask.fluid_nodes,
+            wall_links: self.links.walls.len(),
+            narrowest,
+        })
+    }
+
+    fn read_velocity(&mut self, bricks: &mut Bricks) {
+        let mut slots = std::mem::take(&mut self.slots);
+        slots.clear();
+        slots.extend((0..bricks.len()).map(|s| bricks.brick(s)));
+        let (velocity, force) = bricks.velocity_mut_and_force();
+        let fluid = &*self;
+        parallel::for_each_chunk(&slots, velocity, BRICK_NODES, |slot, brick, to| {
+            let force = [0, 1, 2].map(|a| &force[a][slot * BRICK_NODES..][..BRICK_NODES]);
+            fluid.read_brick(brick, force, to);
+        });
+        self.slots = slots;
+    }
+
+    fn advance(&mut self, bricks: &Bricks) -> Result<(), FluidError> {
+        self.at_rest = false;
+        for force in &mut self.force {
+            force[0] = force[1];
+        }
+        let step = Step {
+            storage: &self.storage,
+            links: &self.links,
+            kernels: &self.kernels,
+            coefficients: &self.coefficients,
+            bricks,
+            force_scale: self.force_scale(),
+            uniform: self.force.map(|f| f[0]),
+            odd: self.odd,
+            tally: self.drive.is_flux(),
+        };
+        let few = self.mask.fluid_nodes < FEW_NODES;
+        parallel::for_pieces(few, &mut self.balances, PIECE, |first, balances| {
+            // SAFETY: each row is worked on once, and `self` is exclusive.
+            unsafe { step.rows(first, balances) }
+        });
+        self.odd = !self.odd;
+        self.steps += 1;
+        self.balance(bricks)
+    }
+
+    /// The force density of the last step; under flux control it follows the drag on walls and bodies at that instant.
+    fn body_force(&self) -> Vec3 {
+        let unit = self.density * self.grid.spacing / self.time_step.powi(2);
+        Vec3::from(self.force.map(|f| f[0])) * unit
+    }
+
+    fn superficial_velocity(&self) -> Vec3 {
+        let flow = self.flow.unwrap_or_else(|| {
+            let momentum = self.momentum();
+            let nodes = self.mask.fluid_nodes as f64;
+            let half = |a: usize| 0.5 * (nodes * self.force[a][0] + self.bodies[a]);
+            std::array::from_fn(|a| (momentum[a] + half(a)) / self.grid.len() as f64)
+        });
+        Vec3::from(flow) * self.velocity_unit()
+    }
+
+    fn check(&self) -> Result<(), FluidError> {
+        parallel::find_map_first(&self.links.rows, |row| self.check_row(row)).map_or(Ok(()), Err)
+    }
+
+    fn macroscopic(&self) -> Option<Macroscopic> {
+        let [nx, ny, _] = self.grid.shape;
+        let mut all = Macroscopic {
+            velocity: std::array::from_fn(|_| vec![0.0; self.grid.len()]),
+            pressure: vec![0.0; self.grid.len()],
+            solid: vec![1; self.grid.len()],
+        };
+        let unit = self.velocity_unit();
+        for row in &self.links.rows {
+            for run in &self.links.runs[row.runs.clone()] {
+                let start = (row.k * ny + row.j) * nx + run.start;
+                let range = start..start + run.len();
+                let [x, y, z] = all.velocity.each_mut().map(|v| &mut v[range.clone()]);
+                let pressure = &mut all.pressure[range.clone()];
+                self.moments(row.j, row.k, run.clone(), [pressure, x, y, z]);
+                for p in &mut all.pressure[range.clone()] {
+                    *p *= self.density * unit * unit / 3.0;
+                }
+                for a in 0..3 {
+                    for v in &mut all.velocity[a][range.clone()] {
+                        *v = (*v + 0.5 * self.force[a][0]) * unit;
+                    }
+                }
+                all.solid[range].fill(0);
+            }
+        }
+        Some(all)
+    }
+}
+
+impl Fluid {
+    fn read_brick(&self, brick: &[usize; 3], force: [&[f64]; 3], to: [&mut [f64]; 3]) {
+        let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
+        let (unit, scale) = (self.velocity_unit(), self.force_scale());
+        let shape = self.grid.shape;
+        let end = (x + BRICK_EDGE).min(shape[0]);
+        let mut moments = [[0.0; BRICK_EDGE]; 4];
+        for k in z..(z + BRICK_EDGE).min(shape[2]) {
+            for j in y..(y + BRICK_EDGE).min(shape[1]) {
+                self.moments(j, k, x..end, moments.each_mut().map(|m| m.as_mut_slice()));
+                let solid = &self.mask.row(j, k)[x..end];
+                let at = ((k - z) * BRICK_EDGE + (j - y)) * BRICK_EDGE;
+                for a in 0..3 {
+                    for (i, solid) in solid.iter().enumerate() {
+                        let half = 0.5 * (force[a][at + i] * scale + self.force[a][0]);
+                        to[a][at + i] = if *solid { 0.0 } else { (moments[a + 1][i] + half) * unit };
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sums what the rows have noted, in their order, and finds the force of the next step.
+    fn balance(&mut self, bricks: &Bricks) -> Result<(), FluidError> {
+        self.bodies = [0.0; 3];
+        self.flow = None;
+        if bricks.is_empty() && !self.drive.is_flux() {
+            return Ok(());
+        }
+        let mut sum = Balance::default();
+        for balance in &self.balances {
+            sum.add(balance);
+        }
+        self.bodies = sum.bodies;
+        let Drive::Flux(target) = self.drive else { return Ok(()) };
+        let (nodes, all) = (self.mask.fluid_nodes as f64, self.grid.len() as f64);
+        let mut flow = [0.0; 3];
+        for a in 0..3 {
+            let drive = self.force[a][0] * nodes;
+            flow[a] = (sum.after(a, drive) + 0.5 * (drive + sum.bodies[a])) / all;
+            if let Some(velocity) = target[a] {
+                let target = velocity / self.velocity_unit() * all;
+                self.force[a][1] = sum.next_drive(a, drive, target) / nodes;
+            }
+        }
+        self.flow = Some(flow);
+        if flow.iter().all(|v| v.is_finite()) {
+            Ok(())
+        } else {
+            self.check()
+        }
+    }
+
+    fn check_row(&self, row: &Row) -> Option<FluidError> {
+        for run in &self.links.runs[row.runs.clone()] {
+            let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; run.len()]);
+            self.moments(row.j, row.k, run.clone(), moments.each_mut().map(|m| m.as_mut_slice()));
+            for i in 0..run.len() {
+                let [density, x, y, z] = [0, 1, 2, 3].map(|m| moments[m][i]);
+                let mach = (3.0 * (x * x + y * y + z * z)).sqrt();
+                let what = if !density.is_finite() || !mach.is_finite() {
+                    "its populations are not finite".to_string()
+                } else if mach > self.mach_limit {
+                    format!("its Mach number is {mach:.3}, the limit is {}", self.mach_limit)
+                } else {
+                    continue;
+                };
+                return Some(FluidError::Diverged {
+                    node: [run.start + i, row.j, row.k],
+                    step: self.steps,
+                    what,
+                });
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,182 @@
+//! Which nodes are solid, and how wide the gaps between walls are.
+
+use crate::parallel;
+use lbm_ibm_coupling::{Boundary, FluidError, Grid, Vec3};
+
+/// Fewest fluid nodes across a gap that carry a flow.
+const NEEDED: usize = 2;
+/// Least cosine between an axis and the normals of two walls that face each other across it.
+const FACING: f64 = 0.8;
+
+/// Solid flags of the grid and of one ghost node around it.
+pub struct Mask {
+    shape: [usize; 3],
+    solid: Vec<bool>,
+    /// Number of nodes in the fluid.
+    pub fluid_nodes: usize,
+}
+
+impl Mask {
+    /// A node is solid where the boundary's distance is not positive; beyond a face that is not periodic all is solid.
+    pub fn new(grid: &Grid, walls: Option<&dyn Boundary>, t: f64) -> Result<Self, FluidError> {
+        let [nx, ny, nz] = grid.shape;
+        let rows: Vec<usize> = (0..ny * nz).collect();
+        let inside: Vec<Vec<bool>> = parallel::map(&rows, |&row| {
+            let solid = |i| walls.is_some_and(|w| w.probe(grid.position(i, row % ny, row / ny), t).distance <= 0.0);
+            (0..nx).map(solid).collect()
+        });
+        let solid_nodes = inside.iter().flatten().filter(|s| **s).count();
+        if solid_nodes == grid.len() {
+            return Err(FluidError::NoFluid { nodes: grid.len() });
+        }
+        let mut mask = Self {
+            shape: grid.shape,
+            solid: vec![true; (nx + 2) * (ny + 2) * (nz + 2)],
+            fluid_nodes: grid.len() - solid_nodes,
+        };
+        let home = |i: isize, a: usize| {
+            let n = grid.shape[a] as isize;
+            let inside = grid.periodic[a] || (0..n).contains(&i);
+            inside.then(|| i.rem_euclid(n) as usize)
+        };
+        for k in -1..=nz as isize {
+            for j in -1..=ny as isize {
+                let (Some(y), Some(z)) = (home(j, 1), home(k, 2)) else {
+                    continue;
+                };
+                for i in -1..=nx as isize {
+                    let index = mask.index(i, j, k);
+                    mask.solid[index] = home(i, 0).is_none_or(|x| inside[z * ny + y][x]);
+                }
+            }
+        }
+        Ok(mask)
+    }
+
+    fn index(&self, i: isize, j: isize, k: isize) -> usize {
+        let [nx, ny, _] = self.shape;
+        ((k + 1) as usize * (ny + 2) + (j + 1) as usize) * (nx + 2) + (i + 1) as usize
+    }
+
+    /// Whether node (`i`, `j`, `k`), each from -1 to the number of nodes, is solid.
+    pub fn is_solid(&self, i: isize, j: isize, k: isize) -> bool {
+        self.solid[self.index(i, j, k)]
+    }
+
+    /// Solid flags of the nodes of row (`j`, `k`).
+    pub fn row(&self, j: usize, k: usize) -> &[bool] {
+        &self.solid[self.index(0, j as isize, k as isize)..][..self.shape[0]]
+    }
+
+    /// The narrowest gap: its number of fluid nodes and its axis.
+    ///
+    /// A gap is a run of fluid nodes along an axis between two walls that face each other: at the solid node at either
+    /// end the wall's normal lies within 37 degrees of the axis. So a run that is short only because it grazes a curved
+    /// wall does not count. A gap of a single node is an error.
+    pub fn narrowest(
+        &self,
+        grid: &Grid,
+        walls: Option<&dyn Boundary>,
+        t: f64,
+    ) -> Result<Option<(usize, usize)>, FluidError> {
+        let mut narrowest: Option<(usize, usize)> = None;
+        for axis in 0..3 {
+            let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+            for v in 0..grid.shape[c] {
+                for u in 0..grid.shape[b] {
+                    let mut node = [0; 3];
+                    (node[b], node[c]) = (u as isize, v as isize);
+                    let line = Line {
+                        grid,
+                        walls,
+                        t,
+                        axis,
+                        node,
+                    };
+                    for [start, len] in self.runs(&line) {
+                        if narrowest.is_some_and(|(n, _)| len >= n) {
+                            continue;
+                        }
+                        let Some(width) = line.gap(start, len) else { continue };
+                        if len < NEEDED {
+                            let mut node = line.node.map(|i| i as usize);
+                            node[axis] = start % grid.shape[axis];
+                            return Err(FluidError::NarrowGap {
+                                node,
+                                cells: len,
+                                needed: NEEDED,
+                                axis: ['x', 'y', 'z'][axis],
+                                spacing: width / NEEDED as f64,
+                            });
+                        }
+                        narrowest = Some((len, axis));
+                    }
+                }
+            }
+        }
+        Ok(narrowest)
+    }
+
+    /// Start and length of the fluid runs of a line that end at solids; a run may pass through a periodic end.
+    fn runs(&self, line: &Line) -> Vec<[usize; 2]> {
+        let n = line.grid.shape[line.axis];
+        let solid = |s: usize| {
+            let mut at = line.node;
+            at[line.axis] = (s % n) as isize;
+            self.is_solid(at[0], at[1], at[2])
+        };
+        let (from, to) = if line.grid.periodic[line.axis] {
+            match (0..n).find(|&s| solid(s)) {
+                Some(first) => (first, first + n),
+                None => return Vec::new(),
+            }
+        } else {
+            (0, n)
+        };
+        let mut runs: Vec<[usize; 2]> = Vec::new();
+        let mut start = None;
+        for s in from..=to {
+            match (start, s == to || solid(s)) {
+                (None, false) => start = Some(s),
+                (Some(first), true) => {
+                    runs.push([first, s - first]);
+                    start = None;
+                }
+                _ => {}
+            }
+        }
+        runs
+    }
+}
+
+/// A line of nodes along an axis.
+struct Line<'a> {
+    grid: &'a Grid,
+    walls: Option<&'a dyn Boundary>,
+    t: f64,
+    axis: usize,
+    node: [isize; 3],
+}
+
+impl Line<'_> {
+    /// Width (m) of the gap of `len` nodes from `start` on, if the walls at its ends face each other.
+    fn gap(&self, start: usize, len: usize) -> Option<f64> {
+        let low = self.depth(start as isize - 1, 1.0)?;
+        let high = self.depth((start + len) as isize, -1.0)?;
+        Some((len as f64 + 1.0) * self.grid.spacing - low - high)
+    }
+
+    /// How deep (m) the solid node `s` lies behind its wall, if the wall's normal points along `side`.
+    fn depth(&self, s: isize, side: f64) -> Option<f64> {
+        let n = self.grid.shape[self.axis] as isize;
+        if !self.grid.periodic[self.axis] && !(0..n).contains(&s) {
+            return Some(0.5 * self.grid.spacing);
+        }
+        let mut at = self.node;
+        at[self.axis] = s.rem_euclid(n);
+        let [i, j, k] = at.map(|i| i as usize);
+        let probe = self.walls?.probe(self.grid.position(i, j, k), self.t);
+        let normal: Vec3 = probe.normal;
+        (normal[self.axis] * side > FACING).then_some(-probe.distance)
+    }
+}

@@ -1,0 +1,113 @@
+//! Setting up and reading the populations.
+
+use crate::d3q19::{C, Q, along, weight};
+use crate::fluid::Fluid;
+use crate::links::{Links, Sliding};
+use crate::mask::Mask;
+use lbm_ibm_coupling::{Boundary, Vec3};
+use std::ops::Range;
+
+impl Fluid {
+    /// Builds rows and links for the mask as it is.
+    pub(crate) fn link(&mut self, walls: Option<&dyn Boundary>, t: f64) {
+        let sliding = Sliding {
+            walls,
+            t,
+            velocity_unit: self.velocity_unit(),
+        };
+        self.links = Links::new(&self.grid, &self.mask, &self.storage, &sliding);
+        self.balances = vec![Default::default(); self.links.rows.len()];
+        self.flow = None;
+    }
+
+    /// Sets every fluid node from a velocity and its gradient (`[a][b]` = d u_b / d x_a) at a position, lattice units.
+    pub(crate) fn populate(&mut self, field: impl Fn(Vec3) -> ([f64; 3], [[f64; 3]; 3])) {
+        self.storage.clear();
+        self.odd = false;
+        self.at_rest = false;
+        self.flow = None;
+        for row in &self.links.rows {
+            let places = self.storage.places(row.j, row.k, false);
+            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
+                let (u, gradient) = field(self.grid.position(x, row.j, row.k));
+                let momentum = std::array::from_fn(|a| u[a] - 0.5 * self.force[a][1]);
+                for i in 0..Q {
+                    // SAFETY: the node is in the grid, and `self` is exclusive.
+                    unsafe { *places[i].add(x) = self.population(i, u, momentum, &gradient) };
+                }
+            }
+        }
+    }
+
+    /// Equilibrium less the weight, and `-3 w_i tau (c c - 1/3) : grad u`.
+    fn population(&self, i: usize, u: [f64; 3], momentum: [f64; 3], gradient: &[[f64; 3]; 3]) -> f64 {
+        let c = C[i].map(f64::from);
+        let (mut shear, mut divergence) = (0.0, 0.0);
+        for a in 0..3 {
+            divergence += gradient[a][a];
+            for b in 0..3 {
+                shear += c[a] * c[b] * gradient[a][b];
+            }
+        }
+        let (cu, uu) = (along(i, u), u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        let second = if self.inertia { 4.5 * cu * cu - 1.5 * uu } else { 0.0 };
+        weight(i) * (3.0 * along(i, momentum) + second - 3.0 * self.tau * (shear - divergence / 3.0))
+    }
+
+    /// Takes a new mask; nodes that stay in the fluid keep their populations, others start at rest.
+    pub(crate) fn replace_mask(&mut self, mask: Mask, walls: Option<&dyn Boundary>, t: f64) {
+        if self.at_rest {
+            self.mask = mask;
+            return self.link(walls, t);
+        }
+        let mut kept = Vec::with_capacity(self.mask.fluid_nodes);
+        for row in &self.links.rows {
+            let places = self.storage.places(row.j, row.k, self.odd);
+            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
+                // SAFETY: the node is in the grid, and nothing writes now.
+                let populations: [f64; Q] = std::array::from_fn(|i| unsafe { *places[i].add(x) });
+                kept.push(([x, row.j, row.k], populations));
+            }
+        }
+        self.storage.clear();
+        self.odd = false;
+        for ([x, j, k], populations) in kept {
+            if mask.is_solid(x as isize, j as isize, k as isize) {
+                continue;
+            }
+            let places = self.storage.places(j, k, false);
+            for i in 0..Q {
+                // SAFETY: the node is in the grid, and `self` is exclusive.
+                unsafe { *places[i].add(x) = populations[i] };
+            }
+        }
+        self.mask = mask;
+        self.link(walls, t);
+    }
+
+    /// Density about 1 and momentum without force, lattice units, of the nodes `part` of row (`j`, `k`), written to the
+    /// start of `to`. Those of solid nodes mean nothing.
+    pub(crate) fn moments(&self, j: usize, k: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
+        assert!(part.end <= self.grid.shape[0] && to.iter().all(|t| t.len() >= part.len()));
+        let places = self.storage.places(j, k, self.odd).map(|p| p.wrapping_add(part.start));
+        // SAFETY: the nodes are in the grid, nothing writes to the populations now, `to` has room, and the kernel was
+        // chosen for this processor.
+        unsafe { (self.kernels.read)(&places, part.len(), to.map(|t| t.as_mut_ptr())) }
+    }
+
+    /// Sum of the momentum of all fluid nodes without force, lattice units.
+    pub(crate) fn momentum(&self) -> [f64; 3] {
+        let rows = crate::parallel::map(&self.links.rows, |row| {
+            let mut sum = [0.0; 3];
+            for run in &self.links.runs[row.runs.clone()] {
+                let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; run.len()]);
+                self.moments(row.j, row.k, run.clone(), moments.each_mut().map(|m| m.as_mut_slice()));
+                for a in 0..3 {
+                    sum[a] += moments[a + 1].iter().sum::<f64>();
+                }
+            }
+            sum
+        });
+        rows.iter().fold([0.0; 3], |s, r| std::array::from_fn(|a| s[a] + r[a]))
+    }
+}

@@ -1,0 +1,145 @@
+//! Memory of the populations: nineteen arrays with ghost nodes, x fastest.
+
+use crate::d3q19::{C, Q, opposite};
+use lbm_ibm_coupling::Grid;
+use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
+
+const LINE: usize = 8;
+const HUGE_PAGE: usize = 2 << 20;
+/// Distance of two neighbouring arrays beyond a multiple of 4 KiB, in cache lines: equal offsets would make the arrays
+/// fight for the same cache sets.
+const SKEW: usize = 27;
+
+/// One array per population, with a ghost node around the grid on every side; node (0, j, k) starts a cache line.
+///
+/// The populations are stored less their weights, `f - w`, which keeps the fine digits of a slow flow.
+pub struct Storage {
+    data: *mut f64,
+    layout: Layout,
+    shape: [usize; 3],
+    periodic: [bool; 3],
+    stride: usize,
+    pitch: usize,
+}
+
+// SAFETY: the memory is owned; shared access only reads it, and writing goes through pointers whose users keep apart.
+unsafe impl Send for Storage {}
+// SAFETY: as above.
+unsafe impl Sync for Storage {}
+
+impl Storage {
+    /// Whether memory for such a grid can be addressed, with room for ghosts, skew and rounding.
+    pub fn fits(shape: [usize; 3]) -> bool {
+        let nodes = shape.iter().try_fold(1_usize, |n, s| n.checked_mul(s.checked_add(16)?));
+        let numbers = nodes.and_then(|n| n.checked_add(4096)?.checked_mul(Q * size_of::<f64>()));
+        numbers.is_some_and(|bytes| bytes < isize::MAX as usize - 2 * HUGE_PAGE)
+    }
+
+    /// Fluid at rest.
+    pub fn new(grid: &Grid) -> Self {
+        let [nx, ny, nz] = grid.shape;
+        let stride = (nx + 2).next_multiple_of(LINE);
+        let array = LINE + stride * (ny + 2) * (nz + 2);
+        let pitch = array.next_multiple_of(64 * LINE) + SKEW * LINE;
+        let bytes = Q * pitch * size_of::<f64>();
+        let align = if bytes >= HUGE_PAGE { HUGE_PAGE } else { 64 };
+        let layout = Layout::from_size_align(bytes.next_multiple_of(align), align)
+            .expect("the caller has asked whether it fits");
+        // SAFETY: the layout is not empty.
+        let data = unsafe { alloc(layout) };
+        if data.is_null() {
+            handle_alloc_error(layout);
+        }
+        if align == HUGE_PAGE {
+            ask_for_huge_pages(data, layout.size());
+        }
+        // SAFETY: the block was allocated with this size; all bits zero is 0.0.
+        unsafe { data.write_bytes(0, layout.size()) };
+        Self {
+            data: data.cast(),
+            layout,
+            shape: grid.shape,
+            periodic: grid.periodic,
+            stride,
+            pitch,
+        }
+    }
+
+    /// Sets all populations to rest.
+    pub fn clear(&mut self) {
+        // SAFETY: the block has this size, and `self` is exclusive.
+        unsafe { self.data.cast::<u8>().write_bytes(0, self.layout.size()) };
+    }
+
+    /// Start of the memory.
+    pub fn data(&self) -> *mut f64 {
+        self.data
+    }
+
+    /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost).
+    #[inline]
+    pub fn index(&self, i: usize, x: isize, j: isize, k: isize) -> usize {
+        let row = (k + 1) as usize * (self.shape[1] + 2) + (j + 1) as usize;
+        (i * self.pitch + LINE + row * self.stride).wrapping_add_signed(x)
+    }
+
+    /// The row that stands at (`j`, `k`), each from -1 to the number of nodes: wrapped where the direction repeats, else
+    /// a ghost beyond the grid.
+    #[inline]
+    pub fn wrapped(&self, j: isize, k: isize) -> [isize; 2] {
+        [self.wrap(j, 1), self.wrap(k, 2)]
+    }
+
+    #[inline]
+    fn wrap(&self, i: isize, axis: usize) -> isize {
+        let n = self.shape[axis] as isize;
+        match i {
+            -1 if self.periodic[axis] => n - 1,
+            _ if i == n && self.periodic[axis] => 0,
+            _ => i,
+        }
+    }
+
+    /// Where node 0 of row (`j`, `k`) finds its incoming populations, and leaves the outgoing ones at the opposite
+    /// place: at home before an even step, in the neighbours before an odd one.
+    #[inline]
+    pub fn places(&self, j: usize, k: usize, odd: bool) -> [*mut f64; Q] {
+        let (j, k) = (j as isize, k as isize);
+        let home = self.index(0, 0, j, k);
+        if !odd {
+            // SAFETY: the node is inside the allocation.
+            return std::array::from_fn(|i| unsafe { self.data.add(home + i * self.pitch) });
+        }
+        let ys = [self.wrap(j - 1, 1), j, self.wrap(j + 1, 1)];
+        let zs = [self.wrap(k - 1, 2), k, self.wrap(k + 1, 2)];
+        let rows: [[usize; 3]; 3] = zs.map(|z| ys.map(|y| self.index(0, 0, y, z)));
+        std::array::from_fn(|i| {
+            let [cx, cy, cz] = C[i];
+            let row = rows[(1 - cz) as usize][(1 - cy) as usize];
+            let index = (row + opposite(i) * self.pitch).wrapping_add_signed(-cx as isize);
+            // SAFETY: ghosts included, the node is inside the allocation.
+            unsafe { self.data.add(index) }
+        })
+    }
+}
+
+impl Drop for Storage {
+    fn drop(&mut self) {
+        // SAFETY: allocated in `new` with this layout.
+        unsafe { dealloc(self.data.cast(), self.layout) };
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn ask_for_huge_pages(data: *mut u8, bytes: usize) {
+    use std::ffi::{c_int, c_void};
+    const MADV_HUGEPAGE: c_int = 14;
+    unsafe extern "C" {
+        fn madvise(address: *mut c_void, length: usize, advice: c_int) -> c_int;
+    }
+    // SAFETY: advice on memory that is owned; a refusal changes nothing and is no error.
+    unsafe { madvise(data.cast(), bytes, MADV_HUGEPAGE) };
+}
+
+#[cfg(not(target_os = "linux"))]
+fn ask_for_huge_pages(_data: *mut u8, _bytes: usize) {}

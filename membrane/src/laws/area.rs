@@ -1,0 +1,116 @@
+//! Area elasticity from an energy.
+
+use super::{Law, corners, twice_area};
+use crate::{MembraneError, Mesh, mesh::positive};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
+
+/// Elasticity of each triangle's area: E = sum of K/2 (S - S0)^2/S0, K in N/m. F = -dE/dx; keeps force and torque.
+///
+/// A force k (S - S0) t/sum|t|^2 along the node-to-centroid vectors t (Jancigova and Cimrak, Int. J. Numer. Meth. Biomed.
+/// Eng. 32, e02757, 2016) also keeps force and torque but has no energy: it is -k/2 (S - S0) times the gradient of
+/// ln(sum|t|^2), and S is no function of that sum. This law goes along the triangle's heights instead; the two agree on
+/// equilateral triangles.
+#[derive(Clone, Debug)]
+pub struct LocalArea {
+    triangles: Vec<[u32; 3]>,
+    rest: Vec<f64>,
+    modulus: f64,
+}
+
+impl LocalArea {
+    /// Triangles at rest on `mesh`, with `modulus` K in N/m.
+    ///
+    /// # Errors
+    /// [`MembraneError::NotPositive`].
+    pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
+        let area = |&t: &[u32; 3]| 0.5 * twice_area(corners(mesh.nodes(), t)).norm();
+        Ok(Self {
+            triangles: mesh.triangles().to_vec(),
+            rest: mesh.triangles().iter().map(area).collect(),
+            modulus: positive("the local area modulus", modulus)?,
+        })
+    }
+
+    /// The modulus K (N/m) that does the same work in a small uniform dilation as
+    /// [`Area2011`](super::Area2011) with `k` (N), local as well as global: K = k T/(2 S0), T the sum over all triangles of
+    /// the distances from their nodes to their centroids, S0 the area of the cell; 2 k/L0 for equilateral triangles.
+    pub fn modulus_from_2011(mesh: &Mesh, k: f64) -> f64 {
+        let medians = |&t: &[u32; 3]| {
+            let p = corners(mesh.nodes(), t);
+            let centroid = (p[0] + p[1] + p[2]) / 3.0;
+            p.iter().map(|x| (x - centroid).norm()).sum::<f64>()
+        };
+        k * mesh.triangles().iter().map(medians).sum::<f64>() / (2.0 * mesh.area())
+    }
+}
+
+/// Adds `-strength` times the gradient of a triangle's area: on each node along its height.
+#[inline]
+fn add_tension(x: Soa3Ref<'_>, triangle: [u32; 3], force: &mut Soa3Mut<'_>, strength: impl Fn(f64) -> f64) {
+    let [a, b, c] = corners(x, triangle);
+    let normal = twice_area([a, b, c]);
+    let size = normal.norm();
+    let n = normal * (0.5 * strength(0.5 * size) / size);
+    // The gradient with respect to a node is n x (edge opposite to it)/2.
+    let (first, second) = ((c - b).cross(&n), (a - c).cross(&n));
+    force.add(triangle[0] as usize, first);
+    force.add(triangle[1] as usize, second);
+    force.add(triangle[2] as usize, -first - second);
+}
+
+impl Law for LocalArea {
+    fn name(&self) -> &str {
+        "local area"
+    }
+
+    fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
+        for (&triangle, &rest) in self.triangles.iter().zip(&self.rest) {
+            add_tension(x, triangle, force, |area| self.modulus * (area / rest - 1.0));
+        }
+    }
+
+    fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
+        let term = |(&t, &rest): (&[u32; 3], &f64)| (0.5 * twice_area(corners(x, t)).norm() - rest).powi(2) / rest;
+        Some(0.5 * self.modulus * self.triangles.iter().zip(&self.rest).map(term).sum::<f64>())
+    }
+}
+
+/// Elasticity of the area of the whole cell: E = K/2 (S - S0)^2/S0, K in N/m. F = -dE/dx; keeps force and torque. The
+/// modulus converts like that of [`LocalArea`].
+#[derive(Clone, Debug)]
+pub struct GlobalArea {
+    triangles: Vec<[u32; 3]>,
+    rest: f64,
+    modulus: f64,
+}
+
+impl GlobalArea {
+    /// At rest on `mesh`, with `modulus` K in N/m.
+    ///
+    /// # Errors
+    /// [`MembraneError::NotPositive`].
+    pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
+        Ok(Self {
+            triangles: mesh.triangles().to_vec(),
+            rest: mesh.area(),
+            modulus: positive("the global area modulus", modulus)?,
+        })
+    }
+}
+
+impl Law for GlobalArea {
+    fn name(&self) -> &str {
+        "global area"
+    }
+
+    fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
+        let tension = self.modulus * (surface_area(x, &self.triangles) / self.rest - 1.0);
+        for &triangle in &self.triangles {
+            add_tension(x, triangle, force, |_| tension);
+        }
+    }
+
+    fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
+        Some(0.5 * self.modulus * (surface_area(x, &self.triangles) - self.rest).powi(2) / self.rest)
+    }
+}
