@@ -15,6 +15,16 @@ pub enum ReferenceError {
         /// What went wrong.
         source: csv::Error,
     },
+    /// A column names something that this package does not know.
+    #[error("column `{column}` of {table} names `{text}`, which is not known")]
+    Unknown {
+        /// Name of the table.
+        table: String,
+        /// Column.
+        column: String,
+        /// What stands there.
+        text: String,
+    },
     /// A row lacks a column, or holds something that is not a number.
     #[error("column `{column}` of {table} is missing or not a number: `{text}`")]
     Column {
@@ -69,7 +79,9 @@ impl Table {
             let fields = headers.iter().zip(record.iter());
             rows.push(Row {
                 table: name.to_owned(),
-                fields: fields.map(|(h, v)| (h.trim().to_owned(), v.trim().to_owned())).collect(),
+                fields: fields
+                    .map(|(h, v)| (h.trim().to_owned(), v.trim().to_owned()))
+                    .collect(),
             });
         }
         Ok(Self {
@@ -95,7 +107,10 @@ impl Row {
     /// # Errors
     /// [`ReferenceError::Column`].
     pub fn text(&self, column: &str) -> Result<&str, ReferenceError> {
-        self.fields.get(column).map(String::as_str).ok_or_else(|| self.missing(column, ""))
+        self.fields
+            .get(column)
+            .map(String::as_str)
+            .ok_or_else(|| self.missing(column, ""))
     }
 
     /// Number in a column; `nan` is a number.
@@ -111,6 +126,15 @@ impl Row {
     pub fn key(&self, columns: &[&str]) -> BTreeMap<String, String> {
         let pick = |c: &&str| Some(((*c).to_owned(), self.fields.get(*c)?.clone()));
         columns.iter().filter_map(pick).collect()
+    }
+
+    /// The error of a text that names nothing known.
+    pub fn unknown(&self, column: &str) -> ReferenceError {
+        ReferenceError::Unknown {
+            table: self.table.clone(),
+            column: column.to_owned(),
+            text: self.fields.get(column).cloned().unwrap_or_default(),
+        }
     }
 
     fn missing(&self, column: &str, text: &str) -> ReferenceError {

@@ -1,15 +1,20 @@
-//! The cases of `validate`: each has the name of a reference file and computes every row of it.
+//! The cases of `validate`: most have the name of a reference file and compute every row of it, the others check what a
+//! scene has to keep.
 
+mod cells;
 mod channel;
 mod coupling;
+mod duct;
 mod finding;
 mod kernels;
+mod leak;
+mod profile;
 mod stretch;
 
 pub use finding::{Finding, Findings};
 
+use crate::Fault;
 use crate::reference::Table;
-use std::error::Error;
 
 /// How a case is run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,18 +23,30 @@ pub struct Effort {
     pub quick: bool,
 }
 
-/// Computes a table and reports a finding per row and quantity.
-pub type Case = fn(&Table, Effort) -> Result<Findings, Box<dyn Error>>;
+/// What a case finds, or why it cannot be computed.
+pub type Outcome = Result<Findings, Fault>;
+
+/// How a case is computed.
+#[derive(Clone, Copy, Debug)]
+pub enum Case {
+    /// From the rows of the reference file of its name.
+    Rows(fn(&Table, Effort) -> Outcome),
+    /// Without a file: its references are zero, or bounds.
+    Alone(fn(Effort) -> Outcome),
+}
 
 /// All cases by name.
 pub const CASES: &[(&str, Case)] = &[
-    ("poiseuille_wall_slip", channel::poiseuille_wall_slip),
-    ("duct_flow", channel::duct_flow),
-    ("square_duct_profile", channel::square_duct_profile),
-    ("ibm_kernel_radius", kernels::ibm_kernel_radius),
-    ("ibm_sphere_radius", kernels::ibm_sphere_radius),
-    ("friction_coupling_slip", coupling::friction_coupling_slip),
-    ("paper_rbc_stretch", stretch::paper_rbc_stretch),
-    ("paper_ctc_stretch", stretch::paper_ctc_stretch),
-    ("rbc_optical_tweezers", stretch::rbc_optical_tweezers),
+    ("poiseuille_wall_slip", Case::Rows(channel::poiseuille_wall_slip)),
+    ("duct_flow", Case::Rows(duct::duct_flow)),
+    ("square_duct_profile", Case::Rows(duct::square_duct_profile)),
+    ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
+    ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
+    ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),
+    ("paper_rbc_stretch", Case::Rows(stretch::paper_rbc_stretch)),
+    ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),
+    ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
+    ("no_leak", Case::Alone(leak::no_leak)),
+    ("free_cell", Case::Alone(cells::free_cell)),
+    ("same_bits", Case::Alone(cells::same_bits)),
 ];

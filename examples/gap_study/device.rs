@@ -3,10 +3,10 @@
 use crate::options::{Drive, Options, Subject, Where};
 use lbm_ibm::contact::{ContactError, CutOff, SlitChannel, SoftSphere, WallRepulsion};
 use lbm_ibm::coupling::nalgebra::{Isometry3, UnitQuaternion};
-use lbm_ibm::coupling::{Boundary, Grid, Motion, NN, Scene, UM, US, Units, Vec3};
+use lbm_ibm::coupling::{Boundary, Grid, Guard, Motion, NN, Scene, UM, US, Units, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Markers};
 use lbm_ibm::lbm::{Collision, Drive as FluidDrive, Fluid, Pace};
-use lbm_ibm::membrane::{Cell, MembraneError, presets};
+use lbm_ibm::membrane::{Cell, Form, MembraneError, presets};
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -118,6 +118,11 @@ impl Device {
         (density * self.scale(), viscosity, Pace::Tau(self.options.tau))
     }
 
+    /// What is held while the cell passes.
+    pub fn drive(&self) -> Drive {
+        self.options.drive
+    }
+
     /// Declared factor on the Reynolds number.
     pub fn scale(&self) -> f64 {
         if self.options.paper_mode {
@@ -167,14 +172,23 @@ impl Device {
         } else {
             DeltaExchange::new(self.options.kernel.kernel())
         };
-        let mut scene = Scene::with_fluid(fluid, exchange);
+        // The soft contact may give by a tenth of a spacing before the run counts as failed.
+        let guard = Guard {
+            depth: 0.1 * self.spacing,
+            ..Guard::default()
+        };
+        let mut scene = Scene::with_fluid(fluid, exchange).with_guard(guard);
         scene.set_walls(self.walls()?)?;
         Ok(scene)
     }
 
     /// The cell at rest about the origin.
     pub fn cell(&self) -> Result<Cell, MembraneError> {
-        let form = self.options.form.form();
+        let form = if self.options.paper_mode {
+            Form::Paper2011
+        } else {
+            self.options.form.form()
+        };
         let cell = match self.subject {
             Subject::RbcEdge | Subject::RbcFace => presets::rbc_paper(form)?,
             Subject::Ctc => presets::ctc_paper(form)?,

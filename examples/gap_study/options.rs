@@ -57,7 +57,7 @@ pub struct Options {
     #[arg(long, default_value_t = 1.0)]
     pub tau: f64,
     /// Factor on the density, and so on the Reynolds number and the time step.
-    #[arg(long, default_value_t = 80.0)]
+    #[arg(long, default_value_t = 60.0)]
     pub reynolds_scale: f64,
     /// Factor on the strength of the wall contact.
     #[arg(long, default_value_t = 1.0)]
@@ -69,7 +69,7 @@ pub struct Options {
     #[arg(long, value_enum, default_value_t = KernelName::Roma3)]
     pub kernel: KernelName,
     /// Membrane formulas.
-    #[arg(long, value_enum, default_value_t = FormName::Paper2011)]
+    #[arg(long, value_enum, default_value_t = FormName::Balanced)]
     pub form: FormName,
     /// Leave out the VTK files.
     #[arg(long)]
@@ -130,8 +130,10 @@ impl KernelName {
 /// Membrane formulas by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FormName {
-    /// The formulas of the paper's software of 2011.
+    /// The formulas of the paper's software of 2011; a cell in a narrow slit drives itself.
     Paper2011,
+    /// The same with each cell's net force and torque taken off: the same calibration.
+    Balanced,
     /// Forms that keep momentum and come from an energy.
     Corrected,
 }
@@ -141,6 +143,7 @@ impl FormName {
     pub fn form(self) -> Form {
         match self {
             Self::Paper2011 => Form::Paper2011,
+            Self::Balanced => Form::Paper2011Balanced,
             Self::Corrected => Form::Corrected,
         }
     }

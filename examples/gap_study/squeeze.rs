@@ -1,6 +1,8 @@
 //! The static estimate: the force that squeezes the cell through the slit without any fluid.
 
 use crate::device::Device;
+use crate::empty::Empty;
+use crate::options::Drive;
 use lbm_ibm::contact::WallRepulsion;
 use lbm_ibm::coupling::nalgebra::Point3;
 use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, Vec3, View};
@@ -23,6 +25,20 @@ pub struct Squeeze {
     pub blocked: f64,
     /// Greatest force left on a node at any stop, N.
     pub residual: f64,
+}
+
+impl Squeeze {
+    /// The force (N) of the flow on the cell in the slit: pressure drop times blocked area. At a held flux all of it goes
+    /// through the width that the cell leaves free, and the slit's pressure drop grows by that ratio; at a held pressure
+    /// drop the cell bears all of it.
+    pub fn flow_force(&self, device: &Device, empty: &Empty) -> f64 {
+        let free = (device.width - self.blocked / device.gap).max(0.0);
+        let pressure = match device.drive() {
+            Drive::Flux => empty.slit_pressure_drop * device.width / free,
+            Drive::Pressure => empty.pressure_drop,
+        };
+        pressure * self.blocked
+    }
 }
 
 /// Moves the cell's centre in small strides from before the slit to its middle. At each stop the nodes come to rest

@@ -49,7 +49,7 @@ pub struct Row {
     pub volume_drift: f64,
     /// Static estimate: force that squeezes the cell in, N.
     pub static_force: f64,
-    /// Static estimate: pressure drop of the slit times blocked area, N.
+    /// Static estimate: pressure drop with the cell in the slit times blocked area, N.
     pub flow_force: f64,
     /// Static estimate: whether the flow's force is the greater one.
     pub static_passes: bool,
@@ -228,7 +228,7 @@ fn row(
     message: String,
 ) -> Row {
     let units = device.units();
-    let flow_force = empty.slit_pressure_drop * estimate.blocked;
+    let flow_force = estimate.flow_force(device, empty);
     Row {
         cell: device.subject.cell().to_owned(),
         orientation: device.subject.orientation().to_owned(),

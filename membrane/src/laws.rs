@@ -10,21 +10,27 @@
 //! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
+//! | [`Balanced`] | 0 | 0 | no |
 
 mod area;
 mod area_2011;
+mod balanced;
 mod bending;
 mod bending_2011;
 mod hinge;
+mod rigid;
 mod stretching;
 mod volume;
 
 pub use area::{GlobalArea, LocalArea};
 pub use area_2011::{Area2011, Reach};
+pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;
 pub use stretching::Stretching;
 pub use volume::Volume;
+
+pub(crate) use rigid::take_off;
 
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Vec3};
 

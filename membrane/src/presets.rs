@@ -3,7 +3,7 @@
 //! The table gives bare numbers. Read with lengths in um and forces in nN, and with the formulas of the software of the
 //! time, they reproduce both of the paper's calibrations; see [`crate::stretch`].
 
-use crate::laws::{Area2011, Bending, Bending2011, GlobalArea, LocalArea, Reach, Stretching, Volume};
+use crate::laws::{Area2011, Balanced, Bending, Bending2011, GlobalArea, LocalArea, Reach, Stretching, Volume};
 use crate::{Cell, Disc, MembraneError, Mesh, Spacing};
 use std::sync::Arc;
 
@@ -11,8 +11,11 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Form {
-    /// Those of the software that the paper used, needed for its calibration; the area forces do not keep momentum.
+    /// Those of the software that the paper used, needed for its calibration; the area forces do not keep momentum, and
+    /// a cell in a narrow slit drives itself.
     Paper2011,
+    /// The same with net force and torque taken off ([`Balanced`]): the same calibration, momentum kept.
+    Paper2011Balanced,
     /// Gradients of energies with the same response at small strain.
     Corrected,
 }
@@ -85,6 +88,12 @@ impl Moduli {
                 .with_law(Bending2011::new(m, self.bending)?)
                 .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
                 .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
+            Form::Paper2011Balanced => cell.with_law(
+                Balanced::new(m.nodes().len())
+                    .with_law(Bending2011::new(m, self.bending)?)
+                    .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
+                    .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
+            ),
             Form::Corrected => cell
                 .with_law(Bending::new(m, Bending::stiffness_from_2011(m, self.bending))?)
                 .with_law(LocalArea::new(m, LocalArea::modulus_from_2011(m, self.local_area))?)

@@ -36,6 +36,8 @@ pub struct Findings {
     clock: Instant,
     /// What was found.
     pub found: Vec<Finding>,
+    /// Rows that were left out because they are slow.
+    pub left_out: usize,
 }
 
 impl Findings {
@@ -46,6 +48,7 @@ impl Findings {
             row: BTreeMap::new(),
             clock: Instant::now(),
             found: Vec::new(),
+            left_out: 0,
         }
     }
 

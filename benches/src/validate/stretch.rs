@@ -1,11 +1,10 @@
 //! Static stretch of the paper's cells against its calibrations and the optical tweezers.
 
-use super::{Effort, Findings};
+use super::{Effort, Findings, Outcome};
 use crate::reference::{ReferenceError, Row, Table};
 use lbm_ibm::coupling::ImmersedBody;
 use lbm_ibm::membrane::stretch::{Patch, Shape, Stretch};
 use lbm_ibm::membrane::{Cell, Form, MembraneError, presets};
-use std::error::Error;
 
 const UM: f64 = 1e-6;
 const PN: f64 = 1e-12;
@@ -32,7 +31,7 @@ fn compare(
     preset: fn(Form) -> Result<Cell, MembraneError>,
     patch: Patch,
     mut judge: impl FnMut(&mut Findings, &Row, &Shape, &Shape) -> Result<(), ReferenceError>,
-) -> Result<Findings, Box<dyn Error>> {
+) -> Outcome {
     let mut findings = Findings::of(table.name());
     let forces = forces(table)?;
     findings.begin(Default::default());
@@ -46,48 +45,73 @@ fn compare(
 }
 
 /// The paper's red cell pulled over a chord of 2 um at each end: axial, transverse and thickness.
-pub fn paper_rbc_stretch(table: &Table, _effort: Effort) -> Result<Findings, Box<dyn Error>> {
-    compare(table, presets::rbc_paper, Patch::Chord(2.0 * UM), |f, row, paper, corrected| {
-        let (axial, transverse) = (row.number("axial_um")?, row.number("trans_um")?);
-        let thickness = row.number("thickness_um")?;
-        f.check("axial (um)", paper.axial / UM, axial, 0.06);
-        f.check("transverse (um)", paper.transverse / UM, transverse, 0.06);
-        f.check("thickness (um)", paper.thickness / UM, thickness, 0.06);
-        f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
-        f.report("transverse, corrected (um)", corrected.transverse / UM, transverse, transverse);
-        Ok(())
-    })
+pub fn paper_rbc_stretch(table: &Table, _effort: Effort) -> Outcome {
+    compare(
+        table,
+        presets::rbc_paper,
+        Patch::Chord(2.0 * UM),
+        |f, row, paper, corrected| {
+            let (axial, transverse) = (row.number("axial_um")?, row.number("trans_um")?);
+            let thickness = row.number("thickness_um")?;
+            f.check("axial (um)", paper.axial / UM, axial, 0.06);
+            f.check("transverse (um)", paper.transverse / UM, transverse, 0.06);
+            f.check("thickness (um)", paper.thickness / UM, thickness, 0.06);
+            f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
+            f.report(
+                "transverse, corrected (um)",
+                corrected.transverse / UM,
+                transverse,
+                transverse,
+            );
+            Ok(())
+        },
+    )
 }
 
 /// The paper's tumour cell pulled at 5 % of its nodes at each end: axial diameter, and the 30 % strain at 79 pN.
-pub fn paper_ctc_stretch(table: &Table, _effort: Effort) -> Result<Findings, Box<dyn Error>> {
-    compare(table, presets::ctc_paper, Patch::Fraction(0.05), |f, row, paper, corrected| {
-        let axial = row.number("axial_um")?;
-        f.check("axial (um)", paper.axial / UM, axial, 0.03);
-        f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
-        if row.number("force_pN")? == 79.0 {
-            f.check_scaled("strain", paper.axial / (16.0 * UM) - 1.0, 0.297, 1.0, 0.01);
-        }
-        Ok(())
-    })
+pub fn paper_ctc_stretch(table: &Table, _effort: Effort) -> Outcome {
+    compare(
+        table,
+        presets::ctc_paper,
+        Patch::Fraction(0.05),
+        |f, row, paper, corrected| {
+            let axial = row.number("axial_um")?;
+            f.check("axial (um)", paper.axial / UM, axial, 0.03);
+            f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
+            if row.number("force_pN")? == 79.0 {
+                f.check_scaled("strain", paper.axial / (16.0 * UM) - 1.0, 0.297, 1.0, 0.01);
+            }
+            Ok(())
+        },
+    )
 }
 
 /// The paper's red cell against the optical tweezers' bars: the error is relative to half a bar, so 1 is its end.
-pub fn rbc_optical_tweezers(table: &Table, _effort: Effort) -> Result<Findings, Box<dyn Error>> {
-    compare(table, presets::rbc_paper, Patch::Chord(2.0 * UM), |f, row, paper, corrected| {
-        let force = row.number("force_pN")?;
-        let (lo, hi) = (row.number("exp_axial_lo")?, row.number("exp_axial_hi")?);
-        let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
-        if half.is_finite() && force <= 88.0 {
-            f.check_scaled("axial in bar (um)", paper.axial / UM, middle, half, 1.0);
-            f.report("axial, corrected (um)", corrected.axial / UM, middle, half);
-        } else if half.is_finite() {
-            f.report("axial (um)", paper.axial / UM, middle, half);
-        }
-        let (lo, hi) = (row.number("exp_trans_lo")?, row.number("exp_trans_hi")?);
-        if (hi - lo).is_finite() {
-            f.report("transverse (um)", paper.transverse / UM, 0.5 * (lo + hi), 0.5 * (hi - lo));
-        }
-        Ok(())
-    })
+pub fn rbc_optical_tweezers(table: &Table, _effort: Effort) -> Outcome {
+    compare(
+        table,
+        presets::rbc_paper,
+        Patch::Chord(2.0 * UM),
+        |f, row, paper, corrected| {
+            let force = row.number("force_pN")?;
+            let (lo, hi) = (row.number("exp_axial_lo")?, row.number("exp_axial_hi")?);
+            let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+            if half.is_finite() && force <= 88.0 {
+                f.check_scaled("axial in bar (um)", paper.axial / UM, middle, half, 1.0);
+                f.report("axial, corrected (um)", corrected.axial / UM, middle, half);
+            } else if half.is_finite() {
+                f.report("axial (um)", paper.axial / UM, middle, half);
+            }
+            let (lo, hi) = (row.number("exp_trans_lo")?, row.number("exp_trans_hi")?);
+            if (hi - lo).is_finite() {
+                f.report(
+                    "transverse (um)",
+                    paper.transverse / UM,
+                    0.5 * (lo + hi),
+                    0.5 * (hi - lo),
+                );
+            }
+            Ok(())
+        },
+    )
 }

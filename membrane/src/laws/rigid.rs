@@ -4,7 +4,7 @@ use lbm_ibm_coupling::nalgebra::Matrix3;
 use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 
 /// Takes the net force and the net torque off all nodes: what would move the cell as a rigid body of equal nodes.
-pub(super) fn take_off(x: Soa3Ref<'_>, f: &mut Soa3) {
+pub(crate) fn take_off(x: Soa3Ref<'_>, f: &mut Soa3) {
     let n = x.len();
     let (centre, mean) = (x.mean(), f.view().mean());
     let (mut torque, mut inertia) = (Vec3::zeros(), Matrix3::zeros());

@@ -1,0 +1,112 @@
+//! Scenes that cases, tests and timings share: the paper's cells in plasma.
+
+use crate::Fault;
+use lbm_ibm::contact::{CellRepulsion, ContactError, SlitChannel, SoftSphere, WallRepulsion};
+use lbm_ibm::coupling::nalgebra::Isometry3;
+use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, UM, Vec3};
+use lbm_ibm::ibm::DeltaExchange;
+use lbm_ibm::lbm::{Drive, Fluid, LbmError, Pace};
+use lbm_ibm::membrane::{Cell, Form, Mesh, Moduli, presets};
+use std::sync::Arc;
+
+/// Mean velocity of the paper's channel, m/s.
+pub const SPEED: f64 = 460.0 * UM;
+
+/// Blood plasma on a grid: 1.2e-3 Pa s, 1025 kg/m3 times `scale`, the declared scaling of the Reynolds number.
+///
+/// # Errors
+/// What the fluid says of the numbers.
+pub fn plasma(grid: Grid, tau: f64, scale: f64) -> Result<Fluid, LbmError> {
+    Fluid::new(grid, 1025.0 * scale, 1.2e-3, Pace::Tau(tau))
+}
+
+/// Runs `work` on a pool of so many threads.
+///
+/// # Errors
+/// Those of the pool and of the work.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> Result<T, Fault> + Send) -> Result<T, Fault> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?
+        .install(work)
+}
+
+/// A slit 12 um high across a channel of 24 um.
+///
+/// # Errors
+/// None that is expected.
+pub fn slit_walls() -> Result<Arc<dyn Boundary>, ContactError> {
+    let slit = SlitChannel {
+        height: 24.0 * UM,
+        gap: 12.0 * UM,
+        thickness: 6.0 * UM,
+        edge_radius: 1.0 * UM,
+        position: 20.0 * UM,
+    };
+    Ok(Arc::new(slit.walls()?))
+}
+
+/// A tumour cell at the mouth of a slit, on a grid of 1 um, fluid, walls and contact included.
+///
+/// # Errors
+/// None that is expected.
+pub fn slit() -> Result<Scene, Fault> {
+    let grid = Grid::new([40, 24, 20], UM, [true, false, true]);
+    let fluid = plasma(grid, 1.0, 80.0)?.with_drive(Drive::flux(0, SPEED))?;
+    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default()));
+    scene.set_walls(slit_walls()?)?;
+    let pose = Isometry3::translation(10.6 * UM, 12.0 * UM, 10.0 * UM);
+    scene.add_body(presets::ctc_paper(Form::Corrected)?, &pose)?;
+    scene.add_field(WallRepulsion::new(slit_walls()?, SoftSphere::paper_wall()));
+    Ok(scene)
+}
+
+/// A cell in the middle of a channel between plates 1.5 diameters apart, 2 diameters wide and 3 long, driven at the
+/// paper's mean velocity.
+///
+/// # Errors
+/// What fluid and exchange say of the numbers.
+pub fn channel(cell: Cell, diameter: f64, spacing: f64, scale: f64) -> Result<Scene, Fault> {
+    let cells = |diameters: f64| (diameters * diameter / spacing).round() as usize;
+    let shape = [cells(3.0), cells(1.5), cells(2.0)];
+    let fluid = plasma(Grid::new(shape, spacing, [true, false, true]), 1.0, scale)?;
+    let fluid = fluid.with_drive(Drive::flux(0, SPEED))?;
+    // A cell without a volume law may lose more than the guard allows by default.
+    let guard = Guard {
+        volume: f64::INFINITY,
+        ..Guard::default()
+    };
+    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default())).with_guard(guard);
+    let middle = Vec3::from(shape.map(|n| 0.5 * n as f64 * spacing));
+    scene.add_body(cell, &Isometry3::translation(middle.x, middle.y, middle.z))?;
+    Ok(scene)
+}
+
+/// `count` elastic spheres of 642 nodes and 8 um in a periodic cube of `n` um, on a grid of 1 um, under a uniform force.
+///
+/// # Errors
+/// [`Fault`] where the spheres do not fit.
+pub fn crowd(n: usize, count: usize) -> Result<Scene, Fault> {
+    let per_edge = (count as f64).cbrt().ceil() as usize;
+    let pitch = n as f64 * UM / per_edge as f64;
+    if pitch < 9.0 * UM {
+        return Err(format!(
+            "{count} spheres of 8 um do not fit into {n} um: use at most {}",
+            (n / 9).pow(3)
+        )
+        .into());
+    }
+    let fluid = plasma(Grid::new([n; 3], UM, [true; 3]), 1.0, 80.0)?;
+    let fluid = fluid.with_drive(Drive::Force(Vec3::x() * 1e3))?;
+    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default()));
+    let mesh = Arc::new(Mesh::sphere(4.0 * UM, 642)?);
+    let moduli = Moduli::CTC_PAPER.for_edge(1.75 * UM, mesh.mean_edge());
+    let sphere = moduli.cell("sphere", mesh, Form::Corrected)?;
+    for i in 0..count {
+        let [x, y, z] = [i % per_edge, i / per_edge % per_edge, i / (per_edge * per_edge)];
+        let at = [x, y, z].map(|c| (c as f64 + 0.5) * pitch);
+        scene.add_body(sphere.clone(), &Isometry3::translation(at[0], at[1], at[2]))?;
+    }
+    scene.add_field(CellRepulsion::new(SoftSphere::paper_cell()));
+    Ok(scene)
+}

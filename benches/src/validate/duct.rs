@@ -1,0 +1,129 @@
+//! Flow through rectangular ducts against its series.
+
+use super::finding::observed_order;
+use super::profile::{Channel, interpolate};
+use super::{Effort, Findings, Outcome};
+use crate::Fault;
+use crate::reference::Table;
+use lbm_ibm::lbm::Collision;
+
+/// A relaxation time at which a flow settles in few steps; with TRT the steady flow does not depend on it.
+const TAU: f64 = 2.0;
+/// Cells across the short side of a duct.
+const CELLS: [usize; 3] = [8, 16, 32];
+
+/// Mean and centre velocity in units of G b^2/mu, b half the height.
+#[derive(Clone, Copy)]
+struct Flow {
+    mean: f64,
+    centre: f64,
+}
+
+impl Flow {
+    /// Darcy friction factor times the Reynolds number of the hydraulic diameter `4 a b/(a + b)`.
+    fn friction(&self, aspect: f64) -> f64 {
+        2.0 * (4.0 * aspect / (aspect + 1.0)).powi(2) / self.mean
+    }
+}
+
+/// Velocity at all nodes in a duct of `nx` by `ny` cells, in units of G b^2/mu.
+fn velocity(nx: usize, ny: usize) -> Result<Vec<f64>, Fault> {
+    let mut flow = Channel::new(nx, ny, Collision::default(), TAU)?.settle(1e-9)?;
+    let b = 0.5 * ny as f64;
+    flow.iter_mut().for_each(|u| *u /= b * b);
+    Ok(flow)
+}
+
+fn flow(nx: usize, ny: usize) -> Result<Flow, Fault> {
+    let u = velocity(nx, ny)?;
+    Ok(Flow {
+        mean: u.iter().sum::<f64>() / u.len() as f64,
+        centre: interpolate(&u, [nx, ny], [0.5 * nx as f64, 0.5 * ny as f64]),
+    })
+}
+
+/// Flow in a duct with `n` cells across its short side. A long side that is not a whole number of cells lies between two
+/// that are.
+fn duct(aspect: f64, n: usize) -> Result<Flow, Fault> {
+    let long = n as f64 * aspect.max(1.0 / aspect);
+    let duct = |long: usize| if aspect < 1.0 { flow(n, long) } else { flow(long, n) };
+    let part = long - long.floor();
+    let low = duct(long.floor() as usize)?;
+    if part < 1e-9 {
+        return Ok(low);
+    }
+    let high = duct(long.ceil() as usize)?;
+    Ok(Flow {
+        mean: low.mean + part * (high.mean - low.mean),
+        centre: low.centre + part * (high.centre - low.centre),
+    })
+}
+
+/// Mean and centre velocity and friction factor at 8, 16 and 32 cells across the short side: within 1e-3 at 32 cells,
+/// and of second order.
+pub fn duct_flow(table: &Table, _effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    for row in table.rows() {
+        findings.begin(row.key(&["aspect"]));
+        let aspect = row.number("aspect")?;
+        let flows = CELLS.iter().map(|&n| duct(aspect, n)).collect::<Result<Vec<_>, _>>()?;
+        let quantities: [(&str, &str, &dyn Fn(&Flow) -> f64); 4] = [
+            ("u_centre/u_mean", "u_centre_over_mean", &|f| f.centre / f.mean),
+            ("u_mean", "u_mean", &|f| f.mean),
+            ("u_centre", "u_centre", &|f| f.centre),
+            ("fRe", "fRe_Darcy", &|f| f.friction(aspect)),
+        ];
+        for (name, column, quantity) in quantities {
+            let reference = row.number(column)?;
+            let values: Vec<f64> = flows.iter().map(quantity).collect();
+            let error = |i: usize| (1.0 / CELLS[i] as f64, (values[i] / reference - 1.0).abs());
+            findings.report(&format!("{name}, 8 cells"), values[0], reference, reference);
+            findings.report(&format!("{name}, 16 cells"), values[1], reference, reference);
+            findings.check(&format!("{name}, 32 cells"), values[2], reference, 1e-3);
+            findings.check_at_least(
+                &format!("order of {name}, 8 to 16"),
+                observed_order(error(0), error(1)),
+                1.9,
+            );
+            findings.check_at_least(
+                &format!("order of {name}, 16 to 32"),
+                observed_order(error(1), error(2)),
+                1.9,
+            );
+        }
+    }
+    Ok(findings)
+}
+
+/// Velocity in a square duct of 32 and 64 cells on the midline and on the diagonal, between and beyond the nodes by
+/// polynomials; relative to the centre velocity.
+pub fn square_duct_profile(table: &Table, _effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    let flows = [(32, velocity(32, 32)?), (64, velocity(64, 64)?)];
+    let centre = interpolate(&flows[1].1, [64; 2], [32.0; 2]);
+    for row in table.rows() {
+        findings.begin(row.key(&["y_over_b"]));
+        let s = row.number("y_over_b")?;
+        for (n, u) in &flows {
+            let half = 0.5 * *n as f64;
+            let at = |x: f64, y: f64| interpolate(u, [*n; 2], [half * (1.0 + x), half * (1.0 + y)]);
+            let midline = row.number("u_midline")?;
+            findings.check_scaled(
+                &format!("u on the midline, {n} cells"),
+                at(s, 0.0),
+                midline,
+                centre,
+                1e-3,
+            );
+            let diagonal = row.number("u_diagonal")?;
+            findings.check_scaled(
+                &format!("u on the diagonal, {n} cells"),
+                at(s, s),
+                diagonal,
+                centre,
+                1e-3,
+            );
+        }
+    }
+    Ok(findings)
+}

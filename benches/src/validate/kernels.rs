@@ -1,0 +1,44 @@
+//! Hydrodynamic radii of delta kernels.
+
+use super::{Effort, Findings, Outcome};
+use crate::reference::{ReferenceError, Row, Table};
+use lbm_ibm::ibm::Kernel;
+use lbm_ibm::ibm::stokes::{kernel_radius, sphere_radius};
+
+/// The kernel that a row names; what follows the name in brackets says who uses it.
+fn kernel(row: &Row) -> Result<Kernel, ReferenceError> {
+    match row.text("kernel")?.split_whitespace().next() {
+        Some("hat2") => Ok(Kernel::TwoPoint),
+        Some("Roma3") => Ok(Kernel::RomaThree),
+        Some("Bspline3") => Ok(Kernel::SplineThree),
+        Some("Peskin4") => Ok(Kernel::PeskinFour),
+        Some("cosine4") => Ok(Kernel::CosineFour),
+        Some("Bspline4") => Ok(Kernel::SplineFour),
+        _ => Err(row.unknown("kernel")),
+    }
+}
+
+/// Radius of a single marker, mean over its place in a cell, within 5 %.
+pub fn ibm_kernel_radius(table: &Table, _effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    for row in table.rows() {
+        findings.begin(row.key(&["kernel"]));
+        let (radius, deviation) = kernel_radius(kernel(row)?, 32, 60);
+        findings.check("a/h", radius, row.number("a_h_over_h")?, 0.05);
+        findings.report("relative deviation", deviation, row.number("rel_std")?, 1.0);
+    }
+    Ok(findings)
+}
+
+/// How much larger than its markers a sphere acts, within 0.05 spacings, on a box at least four radii wide.
+pub fn ibm_sphere_radius(table: &Table, _effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    for row in table.rows() {
+        findings.begin(row.key(&["kernel", "R_over_h", "spacing_over_h"]));
+        let (radius, spacing) = (row.number("R_over_h")?, row.number("spacing_over_h")?);
+        let box_edge = 48 * (radius / 12.0).ceil().max(1.0) as usize;
+        let a = sphere_radius(kernel(row)?, radius, spacing, box_edge)?;
+        findings.check_scaled("shift/h", a - radius, row.number("shift_over_h")?, 1.0, 0.05);
+    }
+    Ok(findings)
+}
