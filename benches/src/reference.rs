@@ -76,12 +76,10 @@ impl Table {
         let mut rows = Vec::new();
         for record in reader.records() {
             let record = record.map_err(fail)?;
-            let fields = headers.iter().zip(record.iter());
+            let fields = headers.iter().map(|h| h.trim().to_owned()).zip(join_brackets(&record));
             rows.push(Row {
                 table: name.to_owned(),
-                fields: fields
-                    .map(|(h, v)| (h.trim().to_owned(), v.trim().to_owned()))
-                    .collect(),
+                fields: fields.collect(),
             });
         }
         Ok(Self {
@@ -99,6 +97,21 @@ impl Table {
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
+}
+
+/// The fields of a record; a comma in brackets belongs to its field.
+fn join_brackets(record: &csv::StringRecord) -> Vec<String> {
+    let mut fields: Vec<String> = Vec::new();
+    for text in record {
+        match fields.last_mut() {
+            Some(open) if open.matches('(').count() > open.matches(')').count() => {
+                open.push(',');
+                open.push_str(text);
+            }
+            _ => fields.push(text.to_owned()),
+        }
+    }
+    fields.iter().map(|f| f.trim().to_owned()).collect()
 }
 
 impl Row {

@@ -9,15 +9,19 @@ use lbm_ibm::lbm::{Drive, Fluid, LbmError, Pace};
 use lbm_ibm::membrane::{Cell, Form, Mesh, Moduli, presets};
 use std::sync::Arc;
 
+/// Density of blood plasma, kg/m3.
+const DENSITY: f64 = 1025.0;
+/// Its dynamic viscosity, Pa s.
+const VISCOSITY: f64 = 1.2e-3;
 /// Mean velocity of the paper's channel, m/s.
 pub const SPEED: f64 = 460.0 * UM;
 
-/// Blood plasma on a grid: 1.2e-3 Pa s, 1025 kg/m3 times `scale`, the declared scaling of the Reynolds number.
+/// Blood plasma on a grid, its density times `scale`, the declared scaling of the Reynolds number.
 ///
 /// # Errors
 /// What the fluid says of the numbers.
 pub fn plasma(grid: Grid, tau: f64, scale: f64) -> Result<Fluid, LbmError> {
-    Fluid::new(grid, 1025.0 * scale, 1.2e-3, Pace::Tau(tau))
+    Fluid::new(grid, DENSITY * scale, VISCOSITY, Pace::Tau(tau))
 }
 
 /// Runs `work` on a pool of so many threads.
@@ -61,15 +65,16 @@ pub fn slit() -> Result<Scene, Fault> {
     Ok(scene)
 }
 
-/// A cell in the middle of a channel between plates 1.5 diameters apart, 2 diameters wide and 3 long, driven at the
-/// paper's mean velocity.
+/// A cell in the middle of a channel between plates 1.5 diameters apart, a periodic box of 2 by 2 diameters, driven at
+/// the paper's mean velocity. The density is `scale` times the true one.
 ///
 /// # Errors
 /// What fluid and exchange say of the numbers.
-pub fn channel(cell: Cell, diameter: f64, spacing: f64, scale: f64) -> Result<Scene, Fault> {
+pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f64) -> Result<Scene, Fault> {
     let cells = |diameters: f64| (diameters * diameter / spacing).round() as usize;
-    let shape = [cells(3.0), cells(1.5), cells(2.0)];
-    let fluid = plasma(Grid::new(shape, spacing, [true, false, true]), 1.0, scale)?;
+    let shape = [cells(2.0), cells(1.5), cells(2.0)];
+    let grid = Grid::new(shape, spacing, [true, false, true]);
+    let fluid = Fluid::new(grid, DENSITY * scale, VISCOSITY, Pace::TimeStep(time_step))?;
     let fluid = fluid.with_drive(Drive::flux(0, SPEED))?;
     // A cell without a volume law may lose more than the guard allows by default.
     let guard = Guard {

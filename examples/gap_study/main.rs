@@ -46,26 +46,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// A device per cell and gap; the smoke test has one per cell, on a coarse grid.
+/// A device per cell and gap. The smoke test has a red cell and a tumour cell before one wide gap each, on coarse grids.
 fn devices(options: &Options) -> Vec<Device> {
-    let mut devices = Vec::new();
-    for &subject in &options.cells {
-        let (gaps, coarse): (Vec<f64>, f64) = match subject {
-            _ if options.smoke && subject == Subject::Ctc => (vec![16.0], 2.0),
-            Subject::Ctc => ((8..=15).map(f64::from).collect(), 2.0),
-            _ if options.smoke => (vec![6.0], 1.0),
-            _ => ((2..=6).map(f64::from).collect(), 1.0),
+    if options.smoke {
+        let coarse = |resolution: f64| Options {
+            resolution: Some(options.resolution.unwrap_or(resolution)),
+            reynolds_scale: 12.0,
+            start: 0.75,
+            ..options.clone()
         };
-        let gaps = if options.gaps.is_empty() {
-            gaps
-        } else {
-            options.gaps.clone()
-        };
-        let mut options = options.clone();
-        if options.smoke {
-            options.resolution.get_or_insert(coarse);
-        }
-        devices.extend(gaps.iter().map(|gap| Device::new(subject, gap * UM, &options)));
+        return vec![
+            Device::new(Subject::RbcEdge, 6.0 * UM, &coarse(1.0)),
+            Device::new(Subject::Ctc, 16.0 * UM, &coarse(2.0)),
+        ];
     }
-    devices
+    let gaps = |subject: Subject| match subject {
+        _ if !options.gaps.is_empty() => options.gaps.clone(),
+        Subject::Ctc => (8..=15).map(f64::from).collect(),
+        Subject::RbcEdge | Subject::RbcFace => (2..=6).map(f64::from).collect(),
+    };
+    let devices = options.cells.iter().flat_map(|&subject| {
+        let gaps: Vec<f64> = gaps(subject);
+        gaps.into_iter().map(move |gap| Device::new(subject, gap * UM, options))
+    });
+    devices.collect()
 }

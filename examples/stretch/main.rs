@@ -1,80 +1,105 @@
+//! Calibrates the paper's cells: how far they stretch when both ends are pulled, and how fast they recover in plasma.
+//!
+//! `cargo run --release --example stretch -- --help`
+
+mod charts;
 mod curve;
 mod measured;
 mod options;
 mod release;
+mod tables;
+mod workers;
+
 use clap::Parser;
-use curve::Pull;
-use lbm_ibm::membrane::stretch::Patch;
-use options::*;
-use release::Release;
-fn main() {
-    let o = Options::parse();
-    let what = std::env::var("WHAT").unwrap_or_default();
-    if what == "static" {
-        for &s in o.cell.subjects() {
-            for &f in &o.form {
-                let (ps, fs) = match s {
-                    Subject::Rbc => (
-                        vec![s.patch()],
-                        measured::tweezers().iter().map(|r| r.force).collect::<Vec<_>>(),
-                    ),
-                    Subject::Ctc => (
-                        [0.05, 0.02, 0.1].map(Patch::Fraction).to_vec(),
-                        [0.0, 10., 20., 30., 50., 78.75, 105., 150., 200., 250., 333.]
-                            .map(|f| f * 1e-12)
-                            .to_vec(),
-                    ),
-                };
-                for p in ps {
-                    let t = std::time::Instant::now();
-                    println!("{s:?} {f:?} {p:?}");
-                    let c = Pull {
-                        subject: s,
-                        form: f,
-                        patch: p,
-                        forces: fs.clone(),
-                    }
-                    .curve()
-                    .unwrap();
-                    for (f, r) in c {
-                        match r {
-                            Ok(r) => println!(
-                                "{:.1} {:.3} {:.3} {:.3} it {} res {:.1e} net {:.1e}",
-                                f * 1e12,
-                                r.axial * 1e6,
-                                r.transverse * 1e6,
-                                r.thickness * 1e6,
-                                r.iterations,
-                                r.residual,
-                                r.net_force
-                            ),
-                            Err(e) => println!("{:.1} {e}", f * 1e12),
-                        }
-                    }
-                    println!("{:.2} s", t.elapsed().as_secs_f64());
-                }
-            }
-        }
-    } else {
-        for &s in o.cell.subjects() {
-            for &f in &o.form {
-                let r = Release::new(s, f, &o);
-                match r.run(&o.out.join(format!("{}_{}", s.name(), f.name()))) {
-                    Ok(d) => {
-                        println!("{:#?} {:.1} s n {}", d.recovery, d.seconds, d.moments.len());
-                        for m in d.moments.iter().step_by(d.moments.len() / 20 + 1) {
-                            println!(
-                                "{:.3} ms {:.3} {:.3} {:.3}",
-                                m.time * 1e3,
-                                m.axial * 1e6,
-                                m.transverse * 1e6,
-                                m.extension
-                            );
-                        }
-                    }
-                    Err(e) => println!("{e}"),
-                }
-            }
+use curve::Row;
+use lbm_ibm::output::{Progress, write_csv, write_json};
+use options::Options;
+use release::{Done, Recovery};
+use serde::Serialize;
+use std::error::Error;
+use std::time::Instant;
+use workers::share_out;
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    rbc: &'a [Row],
+    ctc: &'a [Row],
+    relaxation: Vec<&'a Recovery>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let clock = Instant::now();
+    let options = Options::parse();
+    std::fs::create_dir_all(&options.out)?;
+    let (rbc, ctc) = stretch(&options)?;
+    let done = relax(&options)?;
+    write(&options, &rbc, &ctc, &done)?;
+    println!(
+        "\n{:.1} s; tables, charts and VTK files in {}",
+        clock.elapsed().as_secs_f64(),
+        options.out.display()
+    );
+    Ok(())
+}
+
+/// The static curves: those of the red cell and those of the tumour cell.
+fn stretch(options: &Options) -> Result<(Vec<Row>, Vec<Row>), Box<dyn Error>> {
+    let pulls = curve::pulls(options);
+    let progress = Progress::new(pulls.len() as u64);
+    progress.say("pulling");
+    let curves = share_out(&pulls, |pull| {
+        let curve = pull.curve();
+        progress.advance();
+        curve
+    })?;
+    progress.finish();
+    let rows: Vec<Vec<Row>> = curves.into_iter().collect::<Result<_, _>>()?;
+    let (rbc, ctc): (Vec<Row>, Vec<Row>) = rows.into_iter().flatten().partition(|r| r.cell == "rbc");
+    tables::print_rbc(&rbc);
+    tables::print_ctc(&ctc);
+    Ok((rbc, ctc))
+}
+
+/// The recoveries; one that cannot start is reported and left out.
+fn relax(options: &Options) -> Result<Vec<Done>, Box<dyn Error>> {
+    let releases = release::releases(options);
+    let progress = Progress::new(releases.len() as u64);
+    progress.say("releasing");
+    let results = share_out(&releases, |release| {
+        let done = release.run(&options.out);
+        progress.advance();
+        done
+    })?;
+    progress.finish();
+    let mut done = Vec::new();
+    for (release, result) in releases.iter().zip(results) {
+        match result {
+            Ok(one) => done.push(one),
+            Err(error) => println!("{}: {error}", release.name()),
         }
     }
+    tables::print_recoveries(&done, options);
+    Ok(done)
+}
+
+/// Tables, charts and the summary.
+fn write(options: &Options, rbc: &[Row], ctc: &[Row], done: &[Done]) -> Result<(), Box<dyn Error>> {
+    let out = &options.out;
+    if !rbc.is_empty() {
+        write_csv(&out.join("rbc.csv"), rbc)?;
+        charts::rbc(rbc).write_svg(&out.join("rbc.svg"))?;
+    }
+    if !ctc.is_empty() {
+        write_csv(&out.join("ctc.csv"), ctc)?;
+        charts::ctc(ctc).write_svg(&out.join("ctc.svg"))?;
+    }
+    write_csv(&out.join("relaxation.csv"), done.iter().flat_map(|d| &d.moments))?;
+    charts::recoveries(done).write_svg(&out.join("relaxation.svg"))?;
+    for subject in options.cell.subjects() {
+        let chart = charts::diameters(subject.name(), done);
+        chart.write_svg(&out.join(format!("relaxation_{}.svg", subject.name())))?;
+    }
+    let relaxation = done.iter().map(|d| &d.recovery).collect();
+    write_json(&out.join("summary.json"), &Summary { rbc, ctc, relaxation })?;
+    Ok(())
 }

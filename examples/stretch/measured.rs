@@ -2,14 +2,8 @@
 
 use lbm_ibm::coupling::{PN, UM};
 
-/// A diameter in an experiment, m.
-#[derive(Clone, Copy, Debug)]
-pub struct Bar {
-    /// The mean.
-    pub mean: f64,
-    /// Lower and upper end of the error bar, where there is one.
-    pub ends: Option<(f64, f64)>,
-}
+/// A diameter in an experiment: mean, and lower and upper end of its error bar where there is one, m.
+pub type Bar = (f64, Option<(f64, f64)>);
 
 /// A red blood cell in optical tweezers.
 #[derive(Clone, Copy, Debug)]
@@ -43,25 +37,15 @@ const TWEEZERS: [[f64; 7]; 12] = [
 /// The same without a force; no bars are given.
 const TWEEZERS_AT_REST: [f64; 2] = [8.58, 7.55];
 
-/// Force (N) and strain to which the paper calibrates its tumour cell: that of modMCF-7 cells in the optical stretcher
-/// (Guck et al., Biophys. J. 88 (2005) 3689), at 105 pN x 600/800.
-pub const PAPER_CTC: (f64, f64) = (78.75 * PN, 0.30);
-
 /// The tweezers' readings in ascending order of force.
 pub fn tweezers() -> Vec<Reading> {
-    let [axial, transverse] = TWEEZERS_AT_REST.map(|d| Bar {
-        mean: d * UM,
-        ends: None,
-    });
-    let bar = |mean: f64, low: f64, high: f64| Bar {
-        mean: mean * UM,
-        ends: Some((low * UM, high * UM)),
-    };
+    let [axial, transverse] = TWEEZERS_AT_REST.map(|d| (d * UM, None));
     let rest = Reading {
         force: 0.0,
         axial,
         transverse,
     };
+    let bar = |mean: f64, low: f64, high: f64| (mean * UM, Some((low * UM, high * UM)));
     let pulled = TWEEZERS.map(|[force, a, a_low, a_high, t, t_low, t_high]| Reading {
         force: force * PN,
         axial: bar(a, a_low, a_high),
@@ -69,3 +53,16 @@ pub fn tweezers() -> Vec<Reading> {
     });
     std::iter::once(rest).chain(pulled).collect()
 }
+
+/// Forces on the tumour cell, N; the paper's is one of them.
+pub fn optical_stretcher() -> Vec<f64> {
+    [
+        0.0, 10.0, 20.0, 30.0, 50.0, 78.75, 90.0, 105.0, 150.0, 200.0, 250.0, 333.0,
+    ]
+    .map(|f| f * PN)
+    .to_vec()
+}
+
+/// Force (N) and strain to which the paper calibrates its tumour cell: that of modMCF-7 cells in the optical stretcher
+/// (Guck et al., Biophys. J. 88 (2005) 3689), at 105 pN x 600/800.
+pub const PAPER_CTC: (f64, f64) = (78.75 * PN, 0.30);

@@ -21,10 +21,10 @@ pub struct Options {
     /// Membrane formulas, by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [FormName::Paper2011, FormName::Corrected])]
     pub form: Vec<FormName>,
-    /// Factor on the density, and so on the Reynolds number and the time step, of the recovery [default: 4 for the red
-    /// cell, 40 for the tumour cell].
-    #[arg(long)]
-    pub reynolds_scale: Option<f64>,
+    /// Factor on the density of the fluid in the recovery, and so on the Reynolds number and the time step. Half of the
+    /// default changes the time constants by about 1 %.
+    #[arg(long, default_value_t = 40.0)]
+    pub reynolds_scale: f64,
     /// Relaxation time tau of the fluid in the recovery.
     #[arg(long, default_value_t = 1.0)]
     pub tau: f64,
@@ -102,11 +102,19 @@ impl Subject {
         }
     }
 
-    /// Where it is pulled: a bead's contact of 2 um at the rim, or 5 % of the nodes.
-    pub fn patch(self) -> Patch {
+    /// Diameter at rest to which strains refer, m.
+    pub fn diameter(self) -> f64 {
         match self {
-            Self::Rbc => Patch::Chord(2.0 * UM),
-            Self::Ctc => Patch::Fraction(0.05),
+            Self::Rbc => 8.0 * UM,
+            Self::Ctc => presets::CTC_DIAMETER,
+        }
+    }
+
+    /// Where it is pulled, the calibration's patch first: a bead's contact of 2 um at the rim, or a share of the nodes.
+    pub fn patches(self) -> &'static [Patch] {
+        match self {
+            Self::Rbc => &[Patch::Chord(2.0 * UM)],
+            Self::Ctc => &[Patch::Fraction(0.05), Patch::Fraction(0.02), Patch::Fraction(0.1)],
         }
     }
 

@@ -2,7 +2,9 @@
 
 use crate::options::{FormName, Options, Subject};
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Grid, ImmersedBody, Run, Scene, Schedule, Soa3, Soa3Ref, UM, Units, Vec3, enclosed_volume};
+use lbm_ibm::coupling::{
+    Grid, ImmersedBody, Run, RunError, Scene, Schedule, Soa3, Soa3Ref, UM, Units, Vec3, enclosed_volume,
+};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
 use lbm_ibm::membrane::stretch::Stretch;
@@ -13,28 +15,28 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Blood plasma: density, kg/m3, and dynamic viscosity, Pa s.
-const PLASMA: (f64, f64) = (1025.0, 1.2e-3);
+pub const PLASMA: (f64, f64) = (1025.0, 1.2e-3);
 /// Shares of the extension between which the exponential is fitted.
-const FIT: (f64, f64) = (0.8, 0.1);
-/// Share of the extension at which the cell counts as recovered.
-const RECOVERED: f64 = 0.05;
+pub const FIT: (f64, f64) = (0.8, 0.1);
+/// Share of the extension at which the cell counts as recovered; that of the smoke test.
+const RECOVERED: (f64, f64) = (0.05, 0.25);
 /// Shares of the extension at which VTK files are written, beside the start and the end.
 const FRAMES: [f64; 3] = [0.2, 0.5, 0.8];
+/// Longest run and distance of two looks, in units of [`Recovery::viscous_time`].
+const LONGEST: f64 = 20.0;
+const LOOK: f64 = 0.02;
 
-/// A cell that is let go.
+/// A cell that is let go in a periodic box.
 #[derive(Clone, Debug)]
 pub struct Release {
-    /// The cell.
-    pub subject: Subject,
-    /// The formulas.
-    pub form: FormName,
+    subject: Subject,
+    form: FormName,
     spacing: f64,
-    size: [f64; 3],
+    size: Vec3,
     tau: f64,
     reynolds_scale: f64,
-    /// Shear modulus of the continuum that the paper's network stands for, N/m.
-    shear_modulus: f64,
-    radius: f64,
+    /// Share of the extension at which the run ends.
+    until: f64,
 }
 
 /// A moment of the recovery, SI.
@@ -63,28 +65,28 @@ pub struct Recovery {
     pub form: &'static str,
     /// Force at each end before the release, N.
     pub force: f64,
-    /// Size along the pull at the release, m.
-    pub axial_pulled: f64,
-    /// Size across the pull at the release, m.
-    pub transverse_pulled: f64,
     /// Size along the pull at rest, m.
     pub axial_rest: f64,
+    /// Size along the pull at the release, m.
+    pub axial_released: f64,
     /// Size along the pull at the end, m.
     pub axial_end: f64,
     /// Time constant of the exponential, s; none where too little of the recovery was seen.
     pub time_constant: Option<f64>,
     /// Root mean square of the fit's error in the logarithm of the extension.
     pub fit_error: Option<f64>,
-    /// Viscosity times radius over shear modulus, s.
+    /// Time after which a tenth of the extension is left, s.
+    pub time_to_tenth: Option<f64>,
+    /// Viscosity of the fluid times the cell's radius over its shear modulus, s.
     pub viscous_time: f64,
     /// Time simulated, s.
     pub time: f64,
     /// Steps taken.
     pub steps: u64,
-    /// Change of the volume from release to end, relative.
+    /// Relative change of the volume from release to end.
     pub volume_drift: f64,
     /// Way of the centre from release to end, m.
-    pub drift: f64,
+    pub centre_drift: f64,
     /// Grid spacing, m.
     pub spacing: f64,
     /// Time step, s.
@@ -93,7 +95,7 @@ pub struct Recovery {
     pub tau: f64,
     /// Factor on the density.
     pub reynolds_scale: f64,
-    /// Why the run failed, where it did.
+    /// Why the run ended early, where it did.
     pub message: String,
 }
 
@@ -107,120 +109,170 @@ pub struct Done {
     pub seconds: f64,
 }
 
+/// All recoveries that are asked for.
+pub fn releases(options: &Options) -> Vec<Release> {
+    let subjects = options.cell.subjects().iter();
+    let each = |&subject: &Subject| {
+        options
+            .form
+            .iter()
+            .map(move |&form| Release::new(subject, form, options))
+    };
+    subjects.flat_map(each).collect()
+}
+
+impl Subject {
+    /// Shear modulus of the continuum that the paper's network stands for, N/m.
+    fn shear_modulus(self) -> f64 {
+        match self {
+            Self::Rbc => 5.2e-6,
+            Self::Ctc => 0.57e-6,
+        }
+    }
+}
+
 impl Release {
-    /// A cell in a periodic box some 1.5 times as long as it when pulled and twice as wide.
-    pub fn new(subject: Subject, form: FormName, options: &Options) -> Self {
-        let coarse = if options.smoke { 2.0 } else { 1.0 };
-        let (spacing, size, scale, shear_modulus, radius) = match subject {
-            Subject::Rbc => (0.5, [24.0, 16.0, 16.0], 4.0, 5.2e-6, 4.0),
-            Subject::Ctc => (1.0, [36.0, 32.0, 32.0], 40.0, 0.57e-6, 8.0),
+    /// A box some 1.6 times as long as the pulled cell and twice as wide as the cell at rest.
+    fn new(subject: Subject, form: FormName, options: &Options) -> Self {
+        let (spacing, size) = match subject {
+            Subject::Rbc => (0.5, Vec3::new(24.0, 16.0, 16.0)),
+            Subject::Ctc => (1.0, Vec3::new(34.0, 32.0, 32.0)),
         };
         Self {
             subject,
             form,
-            spacing: spacing * coarse * UM,
-            size: size.map(|s| s * UM),
+            spacing: if options.smoke { 1.4 * spacing } else { spacing } * UM,
+            size: size * UM,
             tau: options.tau,
-            reynolds_scale: options.reynolds_scale.unwrap_or(scale),
-            shear_modulus,
-            radius: radius * UM,
+            reynolds_scale: options.reynolds_scale,
+            until: if options.smoke { RECOVERED.1 } else { RECOVERED.0 },
         }
     }
 
-    /// Time in which viscosity lets the membrane go: that of the fluid times radius over shear modulus, s.
-    fn viscous_time(&self) -> f64 {
-        PLASMA.1 * self.radius / self.shear_modulus
+    /// Cell and formulas.
+    pub fn name(&self) -> String {
+        format!("{}_{}", self.subject.name(), self.form.name())
     }
 
-    /// The run: pulls the cell, lets it go, and looks on. VTK files go to `folder`.
-    pub fn run(&self, folder: &Path) -> Result<Done, Box<dyn Error>> {
+    /// Viscosity of the fluid times the cell's radius over its shear modulus, s.
+    fn viscous_time(&self) -> f64 {
+        PLASMA.1 * 0.5 * self.subject.diameter() / self.subject.shear_modulus()
+    }
+
+    fn density(&self) -> f64 {
+        PLASMA.0 * self.reynolds_scale
+    }
+
+    /// Pulls the cell, lets it go, and looks on. VTK files go to a folder of its name in `out`.
+    ///
+    /// # Errors
+    /// The cell cannot be pulled, the scene cannot be built, or a file cannot be written; a fault on the way is in the
+    /// recovery's message.
+    pub fn run(&self, out: &Path) -> Result<Done, Box<dyn Error + Send + Sync>> {
         let clock = Instant::now();
-        let cell = self.subject.cell(self.form)?;
-        let force = self.subject.release_force();
-        let ends = self.subject.patch().ends(cell.reference())?;
-        let mut stretch = Stretch::new(cell.clone(), ends);
-        let pulled = stretch.pull(force)?;
-        let rest = size(cell.reference());
-
-        let nodes = self.size.map(|s| (s / self.spacing).round() as usize);
-        let centre = Vec3::from(self.size) * 0.5;
-        let density = PLASMA.0 * self.reynolds_scale;
-        let fluid = Fluid::new(
-            Grid::new(nodes, self.spacing, [true; 3]),
-            density,
-            PLASMA.1,
-            Pace::Tau(self.tau),
-        )?;
-        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Kernel::RomaThree));
-        let triangles = cell.triangles().to_vec();
-        let body = scene.add_body(cell, &Isometry3::from_parts(centre.into(), Default::default()))?;
-        let middle = stretch.positions().mean();
-        let start: Soa3 = stretch.positions().iter().map(|x| x - middle + centre).collect();
-        scene.set_body_positions(body, start.view())?;
-
+        let (mut scene, rest) = self.scene()?;
+        let start: Soa3 = scene.positions().iter().collect();
+        let mut series = VtkSeries::new(&out.join(self.name()))?;
         let mut moments = Vec::new();
-        let mut series = VtkSeries::new(folder)?;
-        let mut frames = FRAMES.to_vec();
-        let extension = |axial: f64| (axial - rest.x) / (pulled.axial - rest.x);
-        let end = Run::new()
-            .observe(Schedule::Seconds(0.01 * self.viscous_time()), |scene| {
-                let now = size(scene.positions());
-                moments.push(Moment {
-                    cell: self.subject.name(),
-                    form: self.form.name(),
-                    time: scene.time(),
-                    axial: now.x,
-                    transverse: now.y,
-                    extension: extension(now.x),
-                });
-                let passed = frames.last().is_some_and(|f| extension(now.x) <= *f);
-                if passed {
-                    frames.pop();
-                }
-                if passed || scene.steps() == 0 {
-                    series.write(scene)?;
-                }
-                Ok(())
-            })
-            .until("recovered", |scene| extension(size(scene.positions()).x) < RECOVERED)
-            .until_time(20.0 * self.viscous_time())
-            .run(&mut scene);
+        let end = self.watch(&mut scene, rest, &mut moments, &mut series);
         series.write(&scene)?;
-
-        let fit = fit(&moments);
-        let units = Units::time_step_for(self.spacing, density, PLASMA.1, self.tau);
-        let recovery = Recovery {
-            cell: self.subject.name(),
-            form: self.form.name(),
-            force,
-            axial_pulled: pulled.axial,
-            transverse_pulled: pulled.transverse,
-            axial_rest: rest.x,
-            axial_end: size(scene.positions()).x,
-            time_constant: fit.map(|f| f.0),
-            fit_error: fit.map(|f| f.1),
-            viscous_time: self.viscous_time(),
-            time: scene.time(),
-            steps: scene.steps(),
-            volume_drift: enclosed_volume(scene.positions(), &triangles) / enclosed_volume(start.view(), &triangles)
-                - 1.0,
-            drift: (scene.positions().mean() - centre).norm(),
-            spacing: self.spacing,
-            time_step: units,
-            tau: self.tau,
-            reynolds_scale: self.reynolds_scale,
-            message: end.err().map_or(String::new(), |e| e.to_string()),
-        };
         Ok(Done {
-            recovery,
+            recovery: self.recovery(&scene, rest, start.view(), &moments, end),
             moments,
             seconds: clock.elapsed().as_secs_f64(),
         })
     }
+
+    /// The pulled cell in the middle of the box, free, and its size along the pull at rest (m).
+    fn scene(&self) -> Result<(Scene, f64), Box<dyn Error + Send + Sync>> {
+        let cell = self.subject.cell(self.form)?;
+        let ends = self.subject.patches()[0].ends(cell.reference())?;
+        let mut stretch = Stretch::new(cell.clone(), ends);
+        stretch.pull(self.subject.release_force())?;
+        let rest = extent(cell.reference()).x;
+
+        let shape = [0, 1, 2].map(|a| (self.size[a] / self.spacing).round() as usize);
+        let grid = Grid::new(shape, self.spacing, [true; 3]);
+        let fluid = Fluid::new(grid, self.density(), PLASMA.1, Pace::Tau(self.tau))?;
+        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Kernel::RomaThree));
+        let shift = 0.5 * self.size - stretch.positions().mean();
+        let body = scene.add_body(cell, &Isometry3::translation(shift.x, shift.y, shift.z))?;
+        let pulled: Soa3 = stretch.positions().iter().map(|x| x + shift).collect();
+        scene.set_body_positions(body, pulled.view())?;
+        Ok((scene, rest))
+    }
+
+    fn watch(
+        &self,
+        scene: &mut Scene,
+        rest: f64,
+        moments: &mut Vec<Moment>,
+        series: &mut VtkSeries,
+    ) -> Result<(), RunError> {
+        let whole = extent(scene.positions()).x - rest;
+        let extension = |scene: &Scene| (extent(scene.positions()).x - rest) / whole;
+        let mut frames = FRAMES.to_vec();
+        let look = |scene: &Scene| {
+            let size = extent(scene.positions());
+            moments.push(Moment {
+                cell: self.subject.name(),
+                form: self.form.name(),
+                time: scene.time(),
+                axial: size.x,
+                transverse: size.y,
+                extension: extension(scene),
+            });
+            let due = frames.pop_if(|frame| extension(scene) <= *frame).is_some();
+            if due || scene.steps() == 0 {
+                series.write(scene)?;
+            }
+            Ok(())
+        };
+        Run::new()
+            .observe(Schedule::Seconds(LOOK * self.viscous_time()), look)
+            .until("recovered", |scene| extension(scene) < self.until)
+            .until_time(LONGEST * self.viscous_time())
+            .run(scene)?;
+        Ok(())
+    }
+
+    fn recovery(
+        &self,
+        scene: &Scene,
+        rest: f64,
+        start: Soa3Ref<'_>,
+        moments: &[Moment],
+        end: Result<(), RunError>,
+    ) -> Recovery {
+        let x = scene.positions();
+        let volume = |x| enclosed_volume(x, &scene.bodies()[0].triangles);
+        let fit = fit(moments);
+        Recovery {
+            cell: self.subject.name(),
+            form: self.form.name(),
+            force: self.subject.release_force(),
+            axial_rest: rest,
+            axial_released: extent(start).x,
+            axial_end: extent(x).x,
+            time_constant: fit.map(|f| f.0),
+            fit_error: fit.map(|f| f.1),
+            time_to_tenth: moments.iter().find(|m| m.extension <= 0.1).map(|m| m.time),
+            viscous_time: self.viscous_time(),
+            time: scene.time(),
+            steps: scene.steps(),
+            volume_drift: volume(x) / volume(start) - 1.0,
+            centre_drift: (x.mean() - start.mean()).norm(),
+            spacing: self.spacing,
+            time_step: Units::time_step_for(self.spacing, self.density(), PLASMA.1, self.tau),
+            tau: self.tau,
+            reynolds_scale: self.reynolds_scale,
+            message: end.err().map_or(String::new(), |e| e.to_string()),
+        }
+    }
 }
 
-/// Extent along x, y and z, m.
-fn size(x: Soa3Ref<'_>) -> Vec3 {
+/// Size along x, y and z, m.
+fn extent(x: Soa3Ref<'_>) -> Vec3 {
     let span = |a: &[f64]| {
         let high = a.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         high - a.iter().copied().fold(f64::INFINITY, f64::min)
@@ -233,7 +285,7 @@ fn size(x: Soa3Ref<'_>) -> Vec3 {
 fn fit(moments: &[Moment]) -> Option<(f64, f64)> {
     let points: Vec<(f64, f64)> = moments
         .iter()
-        .filter(|m| m.extension <= FIT.0 && m.extension >= FIT.1)
+        .filter(|m| (FIT.1..=FIT.0).contains(&m.extension))
         .map(|m| (m.time, m.extension.ln()))
         .collect();
     let n = points.len() as f64;

@@ -1,1 +1,12 @@
-//! Magnetic sources and beads. Empty in this version.
+//! Magnetic sources, soft-magnetic beads and the forces between them.
+//!
+//! All quantities are SI and `f64`; fields are flux densities B (T), gradients dB_i/dx_j (T/m).
+
+mod error;
+mod source;
+
+pub use error::MagneticsError;
+pub use source::{ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform};
+
+/// The magnetic constant as this crate uses it, 4e-7 pi N/A^2 (the value before 2019; today's differs by 1e-10).
+pub const MU0: f64 = 4e-7 * std::f64::consts::PI;

@@ -12,8 +12,8 @@ const QUICK_STEPS: usize = 2_000_000;
 /// `y (N - y)`: the flow minus the parabola, at the node where it is farthest from the formula.
 ///
 /// The slip of TRT with magic number 3/16 is zero to 1e-10 of the centre velocity `N^2/4`; that of any other collision is
-/// the formula to 1e-8 of the slip that remains as tau goes to 1/2, 1/4. The slip of the row, which was solved for
-/// numerically, gates at 1e-8 of the centre velocity.
+/// the formula to 1e-8 in these units, in which it is 1/4 and more but for one tau. The slip of the row, which was solved
+/// for numerically, gates at 1e-8 of the centre velocity.
 pub fn poiseuille_wall_slip(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     for row in table.rows() {
@@ -39,7 +39,7 @@ pub fn poiseuille_wall_slip(table: &Table, effort: Effort) -> Outcome {
         if formula == 0.0 {
             findings.check_scaled("slip", worst, 0.0, centre, 1e-10);
         } else {
-            findings.check_scaled("slip by the formula", worst, formula, 0.25, 1e-8);
+            findings.check_scaled("slip by the formula", worst, formula, 1.0, 1e-8);
         }
         findings.check_scaled("slip of the row", worst, row.number("slip")?, centre, 1e-8);
     }

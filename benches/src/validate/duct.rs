@@ -1,7 +1,7 @@
 //! Flow through rectangular ducts against its series.
 
 use super::finding::observed_order;
-use super::profile::{Channel, interpolate};
+use super::profile::{Channel, interpolate, mean};
 use super::{Effort, Findings, Outcome};
 use crate::Fault;
 use crate::reference::Table;
@@ -12,18 +12,18 @@ const TAU: f64 = 2.0;
 /// Cells across the short side of a duct.
 const CELLS: [usize; 3] = [8, 16, 32];
 
-/// Mean and centre velocity in units of G b^2/mu, b half the height.
+/// An error below which a quantity has no order to speak of.
+const NEARLY_EXACT: f64 = 1e-5;
+
+/// A flow in units of G b^2/mu, b half the height.
 #[derive(Clone, Copy)]
 struct Flow {
-    mean: f64,
+    /// Velocity in the middle.
     centre: f64,
-}
-
-impl Flow {
-    /// Darcy friction factor times the Reynolds number of the hydraulic diameter `4 a b/(a + b)`.
-    fn friction(&self, aspect: f64) -> f64 {
-        2.0 * (4.0 * aspect / (aspect + 1.0)).powi(2) / self.mean
-    }
+    /// Mean of the profile.
+    mean: f64,
+    /// Mean of the nodes, which is the flux: the midpoint rule, whose own error is `G h^2/(24 mu)`.
+    nodes: f64,
 }
 
 /// Velocity at all nodes in a duct of `nx` by `ny` cells, in units of G b^2/mu.
@@ -37,8 +37,9 @@ fn velocity(nx: usize, ny: usize) -> Result<Vec<f64>, Fault> {
 fn flow(nx: usize, ny: usize) -> Result<Flow, Fault> {
     let u = velocity(nx, ny)?;
     Ok(Flow {
-        mean: u.iter().sum::<f64>() / u.len() as f64,
         centre: interpolate(&u, [nx, ny], [0.5 * nx as f64, 0.5 * ny as f64]),
+        mean: mean(&u, [nx, ny]),
+        nodes: u.iter().sum::<f64>() / u.len() as f64,
     })
 }
 
@@ -53,43 +54,54 @@ fn duct(aspect: f64, n: usize) -> Result<Flow, Fault> {
         return Ok(low);
     }
     let high = duct(long.ceil() as usize)?;
+    let between = |of: fn(&Flow) -> f64| of(&low) + part * (of(&high) - of(&low));
     Ok(Flow {
-        mean: low.mean + part * (high.mean - low.mean),
-        centre: low.centre + part * (high.centre - low.centre),
+        centre: between(|f| f.centre),
+        mean: between(|f| f.mean),
+        nodes: between(|f| f.nodes),
     })
 }
 
+/// A quantity of a flow, its column in the table, and whether it gates.
+type Quantity<'a> = (&'a str, &'a str, &'a dyn Fn(&Flow) -> f64, bool);
+
 /// Mean and centre velocity and friction factor at 8, 16 and 32 cells across the short side: within 1e-3 at 32 cells,
-/// and of second order.
+/// and of second order where the error at 32 cells is above 1e-5.
+///
+/// The friction factor is Darcy's times the Reynolds number of the hydraulic diameter `4 a b/(a + b)`, from the flux. The
+/// ratio of the centre velocity to the flux has the midpoint rule's error on top of the fluid's and is only reported.
 pub fn duct_flow(table: &Table, _effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     for row in table.rows() {
         findings.begin(row.key(&["aspect"]));
         let aspect = row.number("aspect")?;
         let flows = CELLS.iter().map(|&n| duct(aspect, n)).collect::<Result<Vec<_>, _>>()?;
-        let quantities: [(&str, &str, &dyn Fn(&Flow) -> f64); 4] = [
-            ("u_centre/u_mean", "u_centre_over_mean", &|f| f.centre / f.mean),
-            ("u_mean", "u_mean", &|f| f.mean),
-            ("u_centre", "u_centre", &|f| f.centre),
-            ("fRe", "fRe_Darcy", &|f| f.friction(aspect)),
+        let diameter = 4.0 * aspect / (aspect + 1.0);
+        let quantities: [Quantity; 6] = [
+            ("u_centre/u_mean", "u_centre_over_mean", &|f| f.centre / f.mean, true),
+            ("u_mean", "u_mean", &|f| f.mean, true),
+            ("u_centre", "u_centre", &|f| f.centre, true),
+            ("flux", "u_mean", &|f| f.nodes, true),
+            ("fRe", "fRe_Darcy", &|f| 2.0 * diameter * diameter / f.nodes, true),
+            ("u_centre/flux", "u_centre_over_mean", &|f| f.centre / f.nodes, false),
         ];
-        for (name, column, quantity) in quantities {
+        for (name, column, quantity, gates) in quantities {
             let reference = row.number(column)?;
             let values: Vec<f64> = flows.iter().map(quantity).collect();
             let error = |i: usize| (1.0 / CELLS[i] as f64, (values[i] / reference - 1.0).abs());
-            findings.report(&format!("{name}, 8 cells"), values[0], reference, reference);
-            findings.report(&format!("{name}, 16 cells"), values[1], reference, reference);
-            findings.check(&format!("{name}, 32 cells"), values[2], reference, 1e-3);
-            findings.check_at_least(
-                &format!("order of {name}, 8 to 16"),
-                observed_order(error(0), error(1)),
-                1.9,
-            );
-            findings.check_at_least(
-                &format!("order of {name}, 16 to 32"),
-                observed_order(error(1), error(2)),
-                1.9,
-            );
+            for (value, cells) in values.iter().zip(CELLS) {
+                let what = format!("{name}, {cells} cells");
+                if gates && cells == 32 {
+                    findings.check(&what, *value, reference, 1e-3);
+                } else {
+                    findings.report(&what, *value, reference, reference);
+                }
+            }
+            if error(2).1 > NEARLY_EXACT {
+                let order = |i: usize| observed_order(error(i), error(i + 1));
+                findings.check_at_least(&format!("order of {name}, 8 to 16"), order(0), 1.9);
+                findings.check_at_least(&format!("order of {name}, 16 to 32"), order(1), 1.9);
+            }
         }
     }
     Ok(findings)

@@ -103,3 +103,21 @@ pub fn interpolate(field: &[f64], [nx, ny]: [usize; 2], [x, y]: [f64; 2]) -> f64
     };
     wy.iter().enumerate().map(|(j, w)| w * row(j)).sum()
 }
+
+/// Weights of `n` nodes (at i + 1/2) that integrate a cubic over the `n` cells: the midpoint rule, which alone leaves
+/// `h^2/24` times the difference of the slopes at the ends, less those slopes from three nodes each.
+fn quadrature(n: usize) -> Vec<f64> {
+    let mut weights = vec![1.0; n];
+    for (i, end) in [2.0, -3.0, 1.0].into_iter().enumerate() {
+        weights[i] += end / 24.0;
+        weights[n - 1 - i] += end / 24.0;
+    }
+    weights
+}
+
+/// Mean over the cross-section of a field of `nx` by `ny` nodes (three or more).
+pub fn mean(field: &[f64], [nx, ny]: [usize; 2]) -> f64 {
+    let (wx, wy) = (quadrature(nx), quadrature(ny));
+    let row = |j: usize| wx.iter().zip(&field[j * nx..]).map(|(w, u)| w * u).sum::<f64>();
+    wy.iter().enumerate().map(|(j, w)| w * row(j)).sum::<f64>() / (nx * ny) as f64
+}

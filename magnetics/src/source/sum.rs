@@ -1,0 +1,43 @@
+//! Several sources at once.
+
+use super::FieldSource;
+use lbm_ibm_coupling::Vec3;
+use lbm_ibm_coupling::nalgebra::Matrix3;
+use std::sync::Arc;
+
+/// The sum of sources.
+#[derive(Clone, Default)]
+pub struct Sum {
+    parts: Vec<Arc<dyn FieldSource>>,
+}
+
+impl Sum {
+    /// No source: no field.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a source.
+    pub fn with(mut self, source: impl FieldSource + 'static) -> Self {
+        self.parts.push(Arc::new(source));
+        self
+    }
+}
+
+impl FieldSource for Sum {
+    fn field(&self, x: Vec3, t: f64) -> Vec3 {
+        self.parts.iter().map(|s| s.field(x, t)).sum()
+    }
+
+    fn gradient(&self, x: Vec3, t: f64) -> Matrix3<f64> {
+        self.parts.iter().map(|s| s.gradient(x, t)).sum()
+    }
+
+    fn field_and_gradient(&self, x: Vec3, t: f64) -> (Vec3, Matrix3<f64>) {
+        let zero = (Vec3::zeros(), Matrix3::zeros());
+        self.parts.iter().fold(zero, |(b, g), s| {
+            let (db, dg) = s.field_and_gradient(x, t);
+            (b + db, g + dg)
+        })
+    }
+}
