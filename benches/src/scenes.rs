@@ -8,6 +8,8 @@ use lbm_ibm::ibm::DeltaExchange;
 use lbm_ibm::lbm::{Drive, Fluid, LbmError, Pace};
 use lbm_ibm::membrane::{Cell, Form, Mesh, Moduli, presets};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
 
 /// Density of blood plasma, kg/m3.
 const DENSITY: f64 = 1025.0;
@@ -33,6 +35,39 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> Result<T, Faul
         .num_threads(threads)
         .build()?
         .install(work)
+}
+
+/// Does `work` on every item, as many at a time as there are cores, each on one thread; results in the order of the items,
+/// with the seconds of each.
+///
+/// # Errors
+/// The first one of the work.
+pub fn side_by_side<T: Sync, R: Send>(
+    items: &[T],
+    work: impl Fn(&T) -> Result<R, Fault> + Sync,
+) -> Result<Vec<(R, f64)>, Fault> {
+    let next = AtomicUsize::new(0);
+    let worker = || -> Result<Vec<(usize, R, f64)>, Fault> {
+        let mut done = Vec::new();
+        loop {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            let Some(item) = items.get(i) else { return Ok(done) };
+            let clock = Instant::now();
+            let result = on_threads(1, || work(item))?;
+            done.push((i, result, clock.elapsed().as_secs_f64()));
+        }
+    };
+    let cores = std::thread::available_parallelism()?.get();
+    let mut all = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
+        let mut all = Vec::new();
+        for thread in threads {
+            all.extend(thread.join().map_err(|_| "a worker has panicked")??);
+        }
+        Ok::<_, Fault>(all)
+    })?;
+    all.sort_by_key(|(i, ..)| *i);
+    Ok(all.into_iter().map(|(_, result, seconds)| (result, seconds)).collect())
 }
 
 /// A slit 12 um high across a channel of 24 um.

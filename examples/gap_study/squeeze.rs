@@ -8,6 +8,7 @@ use lbm_ibm::coupling::nalgebra::Point3;
 use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, Vec3, View};
 use lbm_ibm::membrane::Cell;
 use std::error::Error;
+use std::f64::consts::PI;
 
 /// Distance of the stops on the way, m.
 const STRIDE: f64 = 0.2 * UM;
@@ -21,7 +22,8 @@ const ROUNDS: usize = 4000;
 pub struct Squeeze {
     /// Greatest push along x that holds the cell at rest on its way in, N; zero where it falls through.
     pub force: f64,
-    /// Area of the slit that the cell blocks there, m2: gap times the cell's extent along the slit.
+    /// Area of the slit that the cell blocks, m2: gap times the cell's extent along the slit at the hardest stop, or the
+    /// diameter of the pancake of its volume that fills the gap, whichever is greater.
     pub blocked: f64,
     /// Greatest force left on a node at any stop, N.
     pub residual: f64,
@@ -63,7 +65,11 @@ pub fn squeeze(device: &Device) -> Result<Squeeze, Box<dyn Error>> {
     let first = device.entry - 1.2 * radius;
     pusher.shift(first - pusher.x.view().mean().x);
     let stops = ((0.5 * (device.entry + device.exit) - first) / STRIDE).ceil() as usize;
-    let mut hardest = Squeeze::default();
+    let pancake = pancake_diameter(pusher.cell.mesh().volume(), device.gap);
+    let mut hardest = Squeeze {
+        blocked: pancake * device.gap,
+        ..Squeeze::default()
+    };
     for _ in 0..stops {
         pusher.shift(STRIDE);
         let (push, residual) = pusher.rest();
@@ -73,10 +79,21 @@ pub fn squeeze(device: &Device) -> Result<Squeeze, Box<dyn Error>> {
             let width =
                 z.iter().copied().fold(f64::NEG_INFINITY, f64::max) - z.iter().copied().fold(f64::INFINITY, f64::min);
             hardest.force = push;
-            hardest.blocked = width * device.gap;
+            hardest.blocked = width.max(pancake) * device.gap;
         }
     }
     Ok(hardest)
+}
+
+/// Diameter (m) of a disc of thickness `gap` with a half-torus rim that holds `volume` (m3); zero where a ball fits the
+/// gap. With the core's radius c: pi c^2 d + pi^2 c d^2/4 + pi d^3/6 = V.
+fn pancake_diameter(volume: f64, gap: f64) -> f64 {
+    let (a, b, c) = (PI * gap, 0.25 * (PI * gap).powi(2), PI * gap.powi(3) / 6.0 - volume);
+    if c >= 0.0 {
+        return 0.0;
+    }
+    let core = ((b * b - 4.0 * a * c).sqrt() - b) / (2.0 * a);
+    2.0 * core + gap
 }
 
 struct Pusher {

@@ -46,7 +46,7 @@ pub fn ctc(rows: &[Row]) -> Chart {
 pub fn recoveries(done: &[Done]) -> Chart {
     let chart = Chart::new(
         "Recovery in plasma at rest, without membrane viscosity",
-        "time over mu a/G (0.92 ms for the red cell, 17 ms for the tumour cell)",
+        "time over mu a/G, viscosity times radius over shear modulus",
         "extension over extension at the release",
     );
     done.iter().fold(chart, |chart, d| {

@@ -25,6 +25,9 @@ pub struct Options {
     /// default changes the time constants by about 1 %.
     #[arg(long, default_value_t = 40.0)]
     pub reynolds_scale: f64,
+    /// Grid spacing of the recovery in um [default: 0.5 for the red cell, 1 for the tumour cell].
+    #[arg(long)]
+    pub resolution: Option<f64>,
     /// Relaxation time tau of the fluid in the recovery.
     #[arg(long, default_value_t = 1.0)]
     pub tau: f64,

@@ -141,7 +141,10 @@ impl Release {
         Self {
             subject,
             form,
-            spacing: if options.smoke { 1.4 * spacing } else { spacing } * UM,
+            spacing: options
+                .resolution
+                .unwrap_or(if options.smoke { 1.4 * spacing } else { spacing })
+                * UM,
             size: size * UM,
             tau: options.tau,
             reynolds_scale: options.reynolds_scale,

@@ -85,21 +85,18 @@ pub fn print_ctc(rows: &[Row]) {
         println!("force_pN{}    paper", head.concat());
         let own: Vec<&Row> = rows.iter().filter(|r| r.form == form).collect();
         for first in own.iter().filter(|r| r.patch == patches[0]) {
-            let at_force: Vec<&&Row> = own.iter().filter(|r| r.force == first.force).collect();
+            let at_force = own.iter().filter(|r| r.force == first.force);
             let columns: Vec<_> = at_force
-                .iter()
-                .map(|r| {
-                    let mark = if is_held(r) { "*" } else { " " };
-                    format!("{}{mark}", cell(r.strain, 0.01, 13, 1))
-                })
+                .map(|r| format!("{}{}", cell(r.strain, 0.01, 13, 1), if is_held(r) { "*" } else { " " }))
                 .collect();
-            let paper = if first.force == PAPER_CTC.0 {
-                format!("{:8.1}", 100.0 * PAPER_CTC.1)
-            } else {
-                String::new()
-            };
+            let paper = first.force == PAPER_CTC.0;
+            let paper = cell(paper.then_some(PAPER_CTC.1), 0.01, 8, 1).replace('-', " ");
             println!("{:8.1}{} {paper}", first.force / PN, columns.concat());
-            at_force.iter().for_each(|r| print_message(r));
+        }
+        for patch in &patches {
+            // The first force without an equilibrium says what happens; those beyond it repeat it.
+            let failed = own.iter().find(|r| r.patch == *patch && !r.message.is_empty());
+            failed.into_iter().for_each(|r| print_message(r));
         }
     }
     if rows.iter().any(is_held) {
@@ -116,7 +113,7 @@ fn is_held(row: &Row) -> bool {
 
 fn print_message(row: &Row) {
     if !row.message.is_empty() {
-        println!("          {}: {}", row.patch, row.message);
+        println!("  {}: {}", row.patch, row.message);
     }
 }
 
@@ -161,7 +158,8 @@ pub fn print_recoveries(done: &[Done], options: &Options) {
     println!(
         "Only the fluid slows these membranes, so a red cell is back within milliseconds. A real one takes 0.1 s: that is its\n\
          membrane viscosity over its shear modulus, eta_m/mu_s = 0.6 uN s/m over 6 uN/m (Hochmuth, Worthy and Evans 1979),\n\
-         and the paper's model has no membrane viscosity. Half the density: --reynolds-scale {}",
+         and the paper's model has no membrane viscosity. How far to trust this: --reynolds-scale {} halves the density,\n\
+         --resolution 0.25 --tau 2.5 --cell rbc the spacing, which brings the red cell back in three quarters of the time.",
         0.5 * options.reynolds_scale
     );
 }

@@ -23,7 +23,7 @@ pub fn share_out<J: Sync, R: Send>(jobs: &[J], work: impl Fn(&J) -> R + Sync) ->
     };
     let mut results = Vec::new();
     thread::scope(|scope| -> Result<(), Box<dyn Error>> {
-        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(&worker)).collect();
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
         for handle in handles {
             results.extend(handle.join().map_err(|_| "a worker has panicked")??);
         }

@@ -172,7 +172,9 @@ mod tests {
 
     #[test]
     fn no_point_gives_a_field_that_is_not_finite() {
-        let steps = [-1.0, -0.9, -0.7, -0.5, -0.3, 0.0, 0.1, 0.3, 0.4, 0.5, 0.7, 0.8, 0.9, 1.0, 1e30];
+        let steps = [
+            -1.0, -0.9, -0.7, -0.5, -0.3, 0.0, 0.1, 0.3, 0.4, 0.5, 0.7, 0.8, 0.9, 1.0, 1e30,
+        ];
         let plain = Cuboid::new(Vec3::zeros(), Vec3::new(0.5, 0.3, 0.8), Vec3::new(0.3, -0.7, 1.1)).unwrap();
         let sheet = ChargeSheet::new(Vec3::zeros(), Vec3::x(), Vec3::y() * 0.4, 1.0).unwrap();
         let ring = CurrentLoop::new(Vec3::zeros(), Vec3::z(), 0.9, 1.0).unwrap();

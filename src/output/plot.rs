@@ -17,6 +17,21 @@ pub enum Mark {
     Open,
 }
 
+/// Size of a chart and width of the strip for its legend, pixels.
+const SIZE: (u32, u32) = (960, 500);
+const LEGEND: u32 = 200;
+
+/// Colours that are told apart by all eyes (Okabe and Ito 2008), used in turn.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
 struct Series {
     label: String,
     mark: Mark,
@@ -84,7 +99,7 @@ impl Chart {
     pub fn write_svg(&self, path: &Path) -> Result<(), OutputError> {
         let mut svg = String::new();
         {
-            let area = SVGBackend::with_string(&mut svg, (800, 500)).into_drawing_area();
+            let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
             self.draw(&area).map_err(|e| OutputError::at(path, e.to_string()))?;
         }
         std::fs::write(path, svg).map_err(|e| OutputError::at(path, e))
@@ -107,7 +122,9 @@ impl Chart {
         area.fill(&WHITE)?;
         let (x0, x1) = self.range(|p| p.0, self.bars.iter().map(|b| b.x));
         let (y0, y1) = self.range(|p| p.1, self.bars.iter().flat_map(|b| [b.lo, b.hi]));
-        let mut builder = ChartBuilder::on(area);
+        let (plot, legend) = area.split_horizontally(SIZE.0 - LEGEND);
+        self.draw_legend(&legend)?;
+        let mut builder = ChartBuilder::on(&plot);
         builder
             .caption(&self.title, ("sans-serif", 20))
             .margin(12)
@@ -142,23 +159,28 @@ impl Chart {
                 .map(|b| PathElement::new(vec![(b.x, b.lo), (b.x, b.hi)], BLACK.mix(0.4))),
         )?;
         for (i, s) in self.series.iter().enumerate() {
-            let colour = Palette99::pick(i).to_rgba();
+            let colour = COLOURS[i % COLOURS.len()];
             let points = s.points.iter().copied();
-            let drawn = match s.mark {
+            match s.mark {
                 Mark::Line => chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?,
                 Mark::Point => chart.draw_series(points.map(|p| Circle::new(p, 4, colour.filled())))?,
                 Mark::Open => chart.draw_series(points.map(|p| Circle::new(p, 4, colour.stroke_width(2))))?,
             };
-            drawn
-                .label(&s.label)
-                .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 16, y)], colour.stroke_width(2)));
         }
-        chart
-            .configure_series_labels()
-            .background_style(WHITE.mix(0.8))
-            .border_style(BLACK.mix(0.3))
-            .position(SeriesLabelPosition::UpperRight)
-            .draw()?;
+        Ok(())
+    }
+
+    /// The legend has a strip of its own, where it hides nothing.
+    fn draw_legend(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Box<dyn std::error::Error>> {
+        for (i, s) in self.series.iter().enumerate() {
+            let (y, colour) = (50 + 20 * i as i32, COLOURS[i % COLOURS.len()]);
+            match s.mark {
+                Mark::Line => area.draw(&PathElement::new(vec![(0, y), (16, y)], colour.stroke_width(2)))?,
+                Mark::Point => area.draw(&Circle::new((8, y), 4, colour.filled()))?,
+                Mark::Open => area.draw(&Circle::new((8, y), 4, colour.stroke_width(2)))?,
+            }
+            area.draw(&Text::new(s.label.clone(), (24, y - 6), ("sans-serif", 13)))?;
+        }
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{Effort, Findings, Outcome};
 use crate::Fault;
-use crate::scenes::{channel, on_threads, slit};
+use crate::scenes::{channel, on_threads, side_by_side, slit};
 use lbm_ibm::coupling::{ImmersedBody, Scene, Soa3, UM, US, enclosed_volume};
 use lbm_ibm::membrane::{Cell, Form, Moduli, presets};
 use std::collections::BTreeMap;
@@ -88,18 +88,26 @@ pub fn free_cell(effort: Effort) -> Outcome {
         ("2011", ctc(tumour(Form::Paper2011)?)),
         ("no K_V", ctc(no_volume(tumour(Form::Corrected)?, Moduli::CTC_PAPER)?)),
     ];
-    for (form, ride) in rows {
-        findings.begin(key(&[("cell", ride.cell.kind()), ("form", form)]));
-        let mut scene = channel(ride.cell, ride.diameter, ride.spacing, ride.time_step, ride.scale)?;
-        let way = travel(&mut scene, diameters * ride.diameter)?;
-        if form == "no K_V" {
+    let ways = side_by_side(&rows, |(_, ride)| {
+        let mut scene = channel(
+            ride.cell.clone(),
+            ride.diameter,
+            ride.spacing,
+            ride.time_step,
+            ride.scale,
+        )?;
+        Ok((travel(&mut scene, diameters * ride.diameter)?, scene.steps()))
+    })?;
+    for ((form, ride), ((way, steps), seconds)) in rows.iter().zip(ways) {
+        findings.begin_done(key(&[("cell", ride.cell.kind()), ("form", form)]), seconds);
+        if *form == "no K_V" {
             findings.report("greatest volume drift", way.drift, 0.0, 1.0);
         } else {
             findings.check_scaled("greatest volume drift", way.drift, 0.0, 1.0, 5e-3);
         }
         findings.report("volume drift at the end", way.end, 0.0, 1.0);
         findings.report("way in diameters", way.distance / ride.diameter, 50.0, 50.0);
-        findings.report("steps", scene.steps() as f64, 0.0, 1.0);
+        findings.report("steps", steps as f64, 0.0, 1.0);
     }
     Ok(findings)
 }

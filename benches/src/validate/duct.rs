@@ -62,14 +62,16 @@ fn duct(aspect: f64, n: usize) -> Result<Flow, Fault> {
     })
 }
 
-/// A quantity of a flow, its column in the table, and whether it gates.
-type Quantity<'a> = (&'a str, &'a str, &'a dyn Fn(&Flow) -> f64, bool);
+/// A quantity of a flow, its column in the table, whether its value gates, and whether its order does.
+type Quantity<'a> = (&'a str, &'a str, &'a dyn Fn(&Flow) -> f64, bool, bool);
 
-/// Mean and centre velocity and friction factor at 8, 16 and 32 cells across the short side: within 1e-3 at 32 cells,
-/// and of second order where the error at 32 cells is above 1e-5.
+/// Flux, centre velocity and friction factor at 8, 16 and 32 cells across the short side: within 1e-3 at 32 cells, and
+/// of second order where the error at 32 cells is above 1e-5.
 ///
 /// The friction factor is Darcy's times the Reynolds number of the hydraulic diameter `4 a b/(a + b)`, from the flux. The
-/// ratio of the centre velocity to the flux has the midpoint rule's error on top of the fluid's and is only reported.
+/// mean of the profile has a tenth of the flux's error and gates with its ratio to the centre velocity; of so small an error
+/// the order is only reported. The ratio of centre velocity and flux gates by its order: in a square duct of 32 cells the
+/// midpoint rule alone puts it off by 1.2e-3.
 pub fn duct_flow(table: &Table, _effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     for row in table.rows() {
@@ -78,29 +80,47 @@ pub fn duct_flow(table: &Table, _effort: Effort) -> Outcome {
         let flows = CELLS.iter().map(|&n| duct(aspect, n)).collect::<Result<Vec<_>, _>>()?;
         let diameter = 4.0 * aspect / (aspect + 1.0);
         let quantities: [Quantity; 6] = [
-            ("u_centre/u_mean", "u_centre_over_mean", &|f| f.centre / f.mean, true),
-            ("u_mean", "u_mean", &|f| f.mean, true),
-            ("u_centre", "u_centre", &|f| f.centre, true),
-            ("flux", "u_mean", &|f| f.nodes, true),
-            ("fRe", "fRe_Darcy", &|f| 2.0 * diameter * diameter / f.nodes, true),
-            ("u_centre/flux", "u_centre_over_mean", &|f| f.centre / f.nodes, false),
+            (
+                "u_centre/u_mean",
+                "u_centre_over_mean",
+                &|f| f.centre / f.mean,
+                true,
+                false,
+            ),
+            ("u_mean", "u_mean", &|f| f.mean, true, false),
+            ("u_centre", "u_centre", &|f| f.centre, true, true),
+            ("flux", "u_mean", &|f| f.nodes, true, true),
+            ("fRe", "fRe_Darcy", &|f| 2.0 * diameter * diameter / f.nodes, true, true),
+            (
+                "u_centre/flux",
+                "u_centre_over_mean",
+                &|f| f.centre / f.nodes,
+                false,
+                true,
+            ),
         ];
-        for (name, column, quantity, gates) in quantities {
+        for (name, column, quantity, value_gates, order_gates) in quantities {
             let reference = row.number(column)?;
             let values: Vec<f64> = flows.iter().map(quantity).collect();
             let error = |i: usize| (1.0 / CELLS[i] as f64, (values[i] / reference - 1.0).abs());
             for (value, cells) in values.iter().zip(CELLS) {
                 let what = format!("{name}, {cells} cells");
-                if gates && cells == 32 {
+                if value_gates && cells == 32 {
                     findings.check(&what, *value, reference, 1e-3);
                 } else {
                     findings.report(&what, *value, reference, reference);
                 }
             }
-            if error(2).1 > NEARLY_EXACT {
-                let order = |i: usize| observed_order(error(i), error(i + 1));
-                findings.check_at_least(&format!("order of {name}, 8 to 16"), order(0), 1.9);
-                findings.check_at_least(&format!("order of {name}, 16 to 32"), order(1), 1.9);
+            for (i, cells) in ["8 to 16", "16 to 32"].into_iter().enumerate() {
+                let (what, order) = (
+                    format!("order of {name}, {cells}"),
+                    observed_order(error(i), error(i + 1)),
+                );
+                if order_gates && error(2).1 > NEARLY_EXACT {
+                    findings.check_at_least(&what, order, 1.9);
+                } else {
+                    findings.report(&what, order, 2.0, 1.0);
+                }
             }
         }
     }

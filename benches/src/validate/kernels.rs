@@ -2,6 +2,7 @@
 
 use super::{Effort, Findings, Outcome};
 use crate::reference::{ReferenceError, Row, Table};
+use crate::scenes::side_by_side;
 use lbm_ibm::ibm::Kernel;
 use lbm_ibm::ibm::stokes::{kernel_radius, sphere_radius};
 
@@ -33,12 +34,14 @@ pub fn ibm_kernel_radius(table: &Table, _effort: Effort) -> Outcome {
 /// How much larger than its markers a sphere acts, within 0.05 spacings, on a box at least four radii wide.
 pub fn ibm_sphere_radius(table: &Table, _effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
-    for row in table.rows() {
-        findings.begin(row.key(&["kernel", "R_over_h", "spacing_over_h"]));
+    let computed = side_by_side(table.rows(), |row| {
         let (radius, spacing) = (row.number("R_over_h")?, row.number("spacing_over_h")?);
         let box_edge = 48 * (radius / 12.0).ceil().max(1.0) as usize;
-        let a = sphere_radius(kernel(row)?, radius, spacing, box_edge)?;
-        findings.check_scaled("shift/h", a - radius, row.number("shift_over_h")?, 1.0, 0.05);
+        Ok(sphere_radius(kernel(row)?, radius, spacing, box_edge)? - radius)
+    })?;
+    for (row, (shift, seconds)) in table.rows().iter().zip(computed) {
+        findings.begin_done(row.key(&["kernel", "R_over_h", "spacing_over_h"]), seconds);
+        findings.check_scaled("shift/h", shift, row.number("shift_over_h")?, 1.0, 0.05);
     }
     Ok(findings)
 }

@@ -65,9 +65,9 @@ impl ForceField for Drag {
 /// Mean normal slip, in units of the cell's speed, of the fluid against the paper's tumour cell, dragged through fluid that
 /// is at rest as a whole.
 fn dragged(spacing: f64, kernel: Kernel) -> Result<f64, Fault> {
-    let n = 8 * (48.0 * UM / spacing / 8.0).round() as usize;
+    let n = (2.0 * presets::CTC_DIAMETER / spacing).round() as usize;
     let grid = Grid::new([n; 3], spacing, [true; 3]);
-    let fluid = plasma(grid.clone(), 1.0, 40.0)?.with_drive(Drive::Flux([Some(0.0); 3]))?;
+    let fluid = plasma(grid, 1.0, 20.0)?.with_drive(Drive::Flux([Some(0.0); 3]))?;
     let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(kernel));
     let cell = presets::ctc_paper(Form::Corrected)?;
     let middle = 0.5 * n as f64 * spacing;

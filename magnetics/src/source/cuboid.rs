@@ -133,12 +133,7 @@ mod tests {
 
     #[test]
     fn charges_and_dipoles_agree_where_they_meet() {
-        let block = Cuboid::new(
-            Vec3::zeros(),
-            Vec3::new(1.0, 0.5, 0.7),
-            Vec3::new(0.4, -0.2, 1.0),
-        )
-        .unwrap();
+        let block = Cuboid::new(Vec3::zeros(), Vec3::new(1.0, 0.5, 0.7), Vec3::new(0.4, -0.2, 1.0)).unwrap();
         let p = Vec3::new(0.48, 0.6, 0.64) * 19.9;
         let (b, g) = block.far(p);
         let (c, h) = block.field_and_gradient(p, 0.0);

@@ -68,7 +68,13 @@ impl ChargeSheet {
         }
         let along_v = [0, 1].map(|i| Edge::new(v, r[i], u[i] * u[i] + z * z, core));
         let along_u = [0, 1].map(|j| Edge::new(u, [r[0][j], r[1][j]], v[j] * v[j] + z * z, core));
-        let turn = |i: usize, j: usize| if z == 0.0 { 0.0 } else { (u[i] * v[j] / (z * r[i][j])).atan() };
+        let turn = |i: usize, j: usize| {
+            if z == 0.0 {
+                0.0
+            } else {
+                (u[i] * v[j] / (z * r[i][j])).atan()
+            }
+        };
         let h = Vec3::new(
             along_v[1].log - along_v[0].log,
             along_u[1].log - along_u[0].log,

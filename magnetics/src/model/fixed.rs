@@ -1,0 +1,65 @@
+//! Fixed dipoles: every bead has the moment of a lone bead in the source's field.
+
+use super::near::Interaction;
+use super::{ErrorEstimate, Model, Problem, Solution};
+use crate::error::MagneticsError;
+use lbm_ibm_coupling::Soa3;
+
+/// Dipoles that do not magnetise each other.
+///
+/// The pair force is 3 mu0/(4 pi r^5) [(m1.r) m2 + (m2.r) m1 + (m1.m2) r - 5 (m1.r)(m2.r) r/r^2]. The energy is -sum m.B -
+/// sum over pairs of m_i.B_j, and the forces are its gradient with the moments held.
+#[derive(Clone, Debug, Default)]
+pub struct FixedDipoles {
+    given: Option<Soa3>,
+}
+
+impl FixedDipoles {
+    /// Moments from each bead's law in the source's field.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Moments (A m2) that are given, one per bead, in place of each bead's law.
+    pub fn with_moments(mut self, moments: Soa3) -> Self {
+        self.given = Some(moments);
+        self
+    }
+}
+
+impl Model for FixedDipoles {
+    fn name(&self) -> &'static str {
+        "fixed dipoles"
+    }
+
+    fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
+        let n = problem.beads.len();
+        let mut dipoles = Interaction::new(problem)?;
+        out.resize(n);
+        match &self.given {
+            Some(m) if m.len() != n => {
+                return Err(MagneticsError::Count {
+                    beads: n,
+                    positions: m.len(),
+                });
+            }
+            Some(m) => out.moment.clone_from(m),
+            None => {
+                for (i, bead) in problem.beads.iter().enumerate() {
+                    out.moment.set(i, bead.response(dipoles.field.get(i)).moment);
+                }
+            }
+        }
+        let mut local = Soa3::default();
+        dipoles.field_and_force(out.moment.view(), out.moment.view(), &mut local, &mut out.force);
+        dipoles.add_source_force(out.moment.view(), &mut out.force);
+        out.energy = 0.0;
+        for i in 0..n {
+            let (m, own) = (out.moment.get(i), dipoles.field.get(i));
+            out.torque.set(i, m.cross(&(own + local.get(i))));
+            out.energy -= m.dot(&own) + 0.5 * m.dot(&local.get(i));
+        }
+        out.error = ErrorEstimate::default();
+        Ok(())
+    }
+}
