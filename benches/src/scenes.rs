@@ -37,6 +37,14 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> Result<T, Faul
         .install(work)
 }
 
+/// Gives the whole program one thread.
+///
+/// # Errors
+/// There is a pool already.
+pub fn one_thread() -> Result<(), rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()
+}
+
 /// Does `work` on every item, as many at a time as there are cores, each on one thread; results in the order of the items,
 /// with the seconds of each.
 ///
@@ -127,7 +135,7 @@ pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f
 /// # Errors
 /// [`Fault`] where the spheres do not fit.
 pub fn crowd(n: usize, count: usize) -> Result<Scene, Fault> {
-    let per_edge = (count as f64).cbrt().ceil() as usize;
+    let per_edge = (1..).find(|n: &usize| n.pow(3) >= count).unwrap_or(1);
     let pitch = n as f64 * UM / per_edge as f64;
     if pitch < 9.0 * UM {
         return Err(format!(
@@ -147,6 +155,7 @@ pub fn crowd(n: usize, count: usize) -> Result<Scene, Fault> {
         let at = [x, y, z].map(|c| (c as f64 + 0.5) * pitch);
         scene.add_body(sphere.clone(), &Isometry3::translation(at[0], at[1], at[2]))?;
     }
-    scene.add_field(CellRepulsion::new(SoftSphere::paper_cell()));
+    // At the paper's full strength this contact would set the time step, to less than a microsecond.
+    scene.add_field(CellRepulsion::new(SoftSphere::paper_cell().scaled(0.01)));
     Ok(scene)
 }

@@ -8,12 +8,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The system's allocator, with a count of what it is asked for.
 struct Counting;
 
+static TRACE: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 static CALLS: AtomicUsize = AtomicUsize::new(0);
 
 // SAFETY: every call is handed to the system's allocator as it is.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         CALLS.fetch_add(1, Ordering::Relaxed);
+        if TRACE.swap(false, Ordering::SeqCst) { eprintln!("size {} {}", layout.size(), std::backtrace::Backtrace::force_capture()); TRACE.store(true, Ordering::SeqCst); }
         // SAFETY: the caller keeps the contract of `GlobalAlloc`.
         unsafe { System.alloc(layout) }
     }
@@ -25,6 +27,7 @@ unsafe impl GlobalAlloc for Counting {
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         CALLS.fetch_add(1, Ordering::Relaxed);
+        if TRACE.swap(false, Ordering::SeqCst) { eprintln!("size {} {}", layout.size(), std::backtrace::Backtrace::force_capture()); TRACE.store(true, Ordering::SeqCst); }
         // SAFETY: the caller keeps the contract of `GlobalAlloc`.
         unsafe { System.realloc(pointer, layout, size) }
     }
@@ -37,7 +40,7 @@ static ALLOCATOR: Counting = Counting;
 fn allocations(scene: &mut Scene) -> usize {
     let mut run = || (0..50).for_each(|_| scene.step().expect("a scene that runs"));
     run();
-    let before = CALLS.load(Ordering::Relaxed);
+    TRACE.store(true, Ordering::SeqCst);let before = CALLS.load(Ordering::Relaxed);
     run();
     CALLS.load(Ordering::Relaxed) - before
 }

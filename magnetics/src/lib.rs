@@ -13,7 +13,7 @@ pub use bead::{
     Apparent, Bead, Intrinsic, Magnetisation, Preset, Response, Saturation, SaturationShape, Sourced, Table,
 };
 pub use error::MagneticsError;
-pub use model::{ErrorEstimate, FixedDipoles, Model, MutualDipoles, Problem, Solution, dense_moments};
+pub use model::{ErrorEstimate, FixedDipoles, Model, MutualDipoles, PairCorrected, Problem, Solution, dense_moments};
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,
 };

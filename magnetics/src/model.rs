@@ -1,10 +1,14 @@
 //! The ladder of models.
 
+mod corrected;
 mod dense;
+mod estimate;
 mod fixed;
 mod mutual;
 mod near;
+mod tables;
 
+pub use corrected::PairCorrected;
 pub use dense::dense_moments;
 pub use fixed::FixedDipoles;
 pub use mutual::MutualDipoles;

@@ -1,5 +1,6 @@
 //! Fixed dipoles: every bead has the moment of a lone bead in the source's field.
 
+use super::estimate::{Dipoles, Estimate};
 use super::near::Interaction;
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::error::MagneticsError;
@@ -12,6 +13,7 @@ use lbm_ibm_coupling::Soa3;
 #[derive(Clone, Debug, Default)]
 pub struct FixedDipoles {
     given: Option<Soa3>,
+    estimate: Estimate,
 }
 
 impl FixedDipoles {
@@ -59,7 +61,13 @@ impl Model for FixedDipoles {
             out.torque.set(i, m.cross(&(own + local.get(i))));
             out.energy -= m.dot(&own) + 0.5 * m.dot(&local.get(i));
         }
-        out.error = ErrorEstimate::default();
+        for i in 0..n {
+            local.add(i, dipoles.field.get(i));
+        }
+        out.error = ErrorEstimate {
+            force: self.estimate.force(Dipoles::Fixed, problem, &local, out.force.view())?,
+            ..ErrorEstimate::default()
+        };
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! Mutual dipoles: every bead is magnetised by the source and by all the others.
 
+use super::estimate::{Dipoles, Estimate};
 use super::near::Interaction;
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::bead::Response;
@@ -17,6 +18,7 @@ use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 pub struct MutualDipoles {
     tolerance: f64,
     local: Soa3,
+    estimate: Estimate,
 }
 
 impl Default for MutualDipoles {
@@ -33,6 +35,7 @@ impl MutualDipoles {
         Self {
             tolerance: 1e-10,
             local: Soa3::default(),
+            estimate: Estimate::default(),
         }
     }
 
@@ -209,7 +212,7 @@ fn dot(a: &Soa3, b: &Soa3) -> f64 {
     a.iter().zip(b.iter()).map(|(a, b)| a.dot(&b)).sum()
 }
 
-fn norm(a: &Soa3) -> f64 {
+pub(super) fn norm(a: &Soa3) -> f64 {
     dot(a, a).sqrt()
 }
 
@@ -227,6 +230,10 @@ impl Model for MutualDipoles {
         out.resize(problem.beads.len());
         out.error = self.magnetise(problem, &mut dipoles, &mut out.moment)?;
         finish(problem, &mut dipoles, out);
+        let missed = self
+            .estimate
+            .force(Dipoles::Mutual, problem, &self.local, out.force.view())?;
+        out.error.force = missed + out.error.residual * norm(&out.force);
         Ok(())
     }
 }

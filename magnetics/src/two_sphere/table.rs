@@ -44,7 +44,6 @@ pub(crate) struct Moments {
 #[derive(Clone, Debug)]
 pub(crate) struct PairTable {
     contact: f64,
-    mean: f64,
     scale: f64,
     step: f64,
     first: f64,
@@ -83,7 +82,6 @@ impl PairTable {
         }
         Ok(Self {
             contact,
-            mean,
             scale,
             step,
             first,
@@ -133,6 +131,19 @@ impl PairTable {
         }
     }
 
+    /// How much a pair at `distance` (m) counts, and the slope of that: one from contact to three quarters of the reach,
+    /// falling as the fifth power of the distance inside contact.
+    pub fn presence(&self, distance: f64) -> (f64, f64) {
+        let s = distance / self.contact;
+        if s < 1.0 {
+            return (s.powi(5) * (6.0 - 5.0 * s), 30.0 * s.powi(4) * (1.0 - s) / self.contact);
+        }
+        match distance - self.contact {
+            gap if gap < self.reach => self.fade(gap),
+            _ => (0.0, 0.0),
+        }
+    }
+
     fn fade(&self, gap: f64) -> (f64, f64) {
         let width = 0.25 * self.reach;
         let s = (gap - 3.0 * width) / width;
@@ -153,11 +164,6 @@ impl PairTable {
             par_slope: c.par_slope + m.par_slope - f.par_slope,
             perp_slope: c.perp_slope + m.perp_slope - f.perp_slope,
         }
-    }
-
-    /// Mean of the two radii, m.
-    pub fn mean_radius(&self) -> f64 {
-        self.mean
     }
 
     /// How much of what the pair has beyond dipoles is the first sphere's.

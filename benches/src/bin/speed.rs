@@ -1,0 +1,177 @@
+//! Speed of the bare fluid and of whole scenes.
+
+use clap::{Args, Parser, Subcommand};
+use lbm_ibm::coupling::{Bricks, Grid, Lattice, UM, Vec3};
+use lbm_ibm::lbm::{Drive, Fluid, InstructionSet};
+use lbm_ibm_benches::Fault;
+use lbm_ibm_benches::scenes::{crowd, on_threads, plasma};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Bytes that a node update moves at least: 19 populations, read and written.
+const BYTES: f64 = 2.0 * 19.0 * 8.0;
+
+/// Speed of the bare fluid and of whole scenes.
+#[derive(Parser)]
+struct Options {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// The fluid alone: TRT, f64, a periodic cube, with and without a uniform force.
+    Fluid {
+        /// Nodes along each edge of the cube.
+        #[arg(long, default_value_t = 128)]
+        size: usize,
+        #[command(flatten)]
+        timing: Timing,
+    },
+    /// Whole steps of a scene: elastic spheres of 642 nodes in a periodic cube.
+    Cells {
+        /// Spheres.
+        #[arg(long, default_value_t = 50)]
+        count: usize,
+        /// Nodes along each edge of the cube.
+        #[arg(long, default_value_t = 64)]
+        size: usize,
+        #[command(flatten)]
+        timing: Timing,
+    },
+}
+
+#[derive(Args)]
+struct Timing {
+    /// Threads.
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// Least seconds to measure for.
+    #[arg(long, default_value_t = 2.0)]
+    seconds: f64,
+    /// Write the results as JSON to a file, or to the output (-) instead of a table.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct FluidSpeed {
+    case: &'static str,
+    size: usize,
+    threads: usize,
+    instruction_set: String,
+    mlups: f64,
+    best_mlups: f64,
+    gigabytes_per_second: f64,
+}
+
+#[derive(Serialize)]
+struct SceneSpeed {
+    size: usize,
+    count: usize,
+    threads: usize,
+    nodes: usize,
+    ms_per_step: f64,
+    fluid_ms_per_step: f64,
+    /// Microseconds per node and step, the bare fluid's time taken off.
+    us_per_node: f64,
+}
+
+fn main() -> Result<(), Fault> {
+    match Options::parse().what {
+        What::Fluid { size, timing } => {
+            let cases = on_threads(timing.threads, || {
+                let idle = fluid_speed("periodic", size, &timing, Drive::default())?;
+                let forced = fluid_speed("uniform force", size, &timing, Drive::Force(Vec3::x()))?;
+                Ok([idle, forced])
+            })?;
+            show(&cases, timing.json.as_deref(), |c: &FluidSpeed| {
+                let bandwidth = format!("{:.1} GB/s at {BYTES} B a node", c.gigabytes_per_second);
+                format!(
+                    "{:14} {:4}^3 {} threads {:7.1} MLUPS, best {:7.1}, {bandwidth}",
+                    c.case, c.size, c.threads, c.mlups, c.best_mlups
+                )
+            })
+        }
+        What::Cells { count, size, timing } => {
+            let speed = on_threads(timing.threads, || scene_speed(size, count, &timing))?;
+            show(&[speed], timing.json.as_deref(), |s: &SceneSpeed| {
+                let times = format!(
+                    "{:.3} ms a step, {:.3} of it bare fluid",
+                    s.ms_per_step, s.fluid_ms_per_step
+                );
+                format!(
+                    "{} spheres, {} nodes, {} threads: {times}, {:.3} us a node",
+                    s.count, s.nodes, s.threads, s.us_per_node
+                )
+            })
+        }
+    }
+}
+
+/// Seconds of each call of `work`, in ascending order: five calls or more, for the time asked.
+fn times(timing: &Timing, mut work: impl FnMut() -> Result<(), Fault>) -> Result<Vec<f64>, Fault> {
+    work()?;
+    let (begin, mut all) = (Instant::now(), Vec::new());
+    while all.len() < 5 || begin.elapsed().as_secs_f64() < timing.seconds {
+        let start = Instant::now();
+        work()?;
+        all.push(start.elapsed().as_secs_f64());
+    }
+    all.sort_by(f64::total_cmp);
+    Ok(all)
+}
+
+/// An even and an odd step of a periodic cube, over and over.
+fn fluid_times(size: usize, timing: &Timing, drive: Drive) -> Result<Vec<f64>, Fault> {
+    let grid = Grid::new([size; 3], UM, [true; 3]);
+    let bricks = Bricks::new(&grid);
+    let mut fluid: Fluid = plasma(grid, 0.8, 1.0)?.with_drive(drive)?;
+    times(timing, || {
+        fluid.advance(&bricks)?;
+        Ok(fluid.advance(&bricks)?)
+    })
+}
+
+fn fluid_speed(case: &'static str, size: usize, timing: &Timing, drive: Drive) -> Result<FluidSpeed, Fault> {
+    let times = fluid_times(size, timing, drive)?;
+    let rate = |seconds: f64| 2e-6 * size.pow(3) as f64 / seconds;
+    let mlups = rate(times[times.len() / 2]);
+    Ok(FluidSpeed {
+        case,
+        size,
+        threads: timing.threads,
+        instruction_set: format!("{:?}", InstructionSet::best()),
+        mlups,
+        best_mlups: rate(times[0]),
+        gigabytes_per_second: 1e-3 * mlups * BYTES,
+    })
+}
+
+fn scene_speed(size: usize, count: usize, timing: &Timing) -> Result<SceneSpeed, Fault> {
+    let median = |times: &[f64]| 1e3 * times[times.len() / 2];
+    let fluid_ms_per_step = 0.5 * median(&fluid_times(size, timing, Drive::Force(Vec3::x()))?);
+    let mut scene = crowd(size, count)?;
+    let nodes = scene.positions().len();
+    let ms_per_step = median(&times(timing, || Ok(scene.step()?))?);
+    Ok(SceneSpeed {
+        size,
+        count,
+        threads: timing.threads,
+        nodes,
+        ms_per_step,
+        fluid_ms_per_step,
+        us_per_node: 1e3 * (ms_per_step - fluid_ms_per_step) / nodes.max(1) as f64,
+    })
+}
+
+/// Prints a line per result, or writes all as JSON.
+fn show<T: Serialize>(results: &[T], json: Option<&Path>, line: impl Fn(&T) -> String) -> Result<(), Fault> {
+    match json {
+        Some(path) if path == Path::new("-") => println!("{}", serde_json::to_string_pretty(results)?),
+        Some(path) => std::fs::write(path, serde_json::to_string_pretty(results)?)?,
+        None => results.iter().for_each(|r| println!("{}", line(r))),
+    }
+    Ok(())
+}
