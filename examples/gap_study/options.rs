@@ -57,7 +57,7 @@ pub struct Options {
     #[arg(long, default_value_t = 1.0)]
     pub tau: f64,
     /// Factor on the density, and so on the Reynolds number and the time step.
-    #[arg(long, default_value_t = 30.0)]
+    #[arg(long, default_value_t = 60.0)]
     pub reynolds_scale: f64,
     /// Factor on the strength of the wall contact.
     #[arg(long, default_value_t = 1.0)]

@@ -2,10 +2,11 @@
 
 use crate::device::Device;
 use crate::empty::Empty;
-use lbm_ibm::coupling::{ImmersedBody, Scene, SceneError, enclosed_volume, surface_area};
-use lbm_ibm::membrane::Cell;
+use lbm_ibm::coupling::{Scene, SceneError, Soa3Ref, enclosed_volume, surface_area};
+use lbm_ibm::membrane::{Cell, Edge, Mesh};
 use serde::Serialize;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Steps between two looks.
 const EVERY: u64 = 20;
@@ -29,8 +30,7 @@ pub struct Passage<'a> {
     device: &'a Device,
     empty: &'a Empty,
     cell: u32,
-    volume: f64,
-    area: f64,
+    mesh: Arc<Mesh>,
     /// When the nose met the entry plane.
     clock: Option<f64>,
     history: VecDeque<Moment>,
@@ -40,6 +40,10 @@ pub struct Passage<'a> {
     pub greatest_area_strain: f64,
     /// Relative change of the volume, the one of greatest size.
     pub volume_drift: f64,
+    /// Least area of a triangle over its area at rest.
+    pub least_triangle: f64,
+    /// Most edges at once whose two triangles face away from each other.
+    pub folded_edges: usize,
     /// Greatest pressure drop since the nose met the entry plane, Pa.
     pub peak_pressure_drop: f64,
     /// Pressure drop at the last look, Pa.
@@ -63,13 +67,14 @@ impl<'a> Passage<'a> {
             device,
             empty,
             cell: id,
-            volume: enclosed_volume(cell.reference(), cell.triangles()),
-            area: surface_area(cell.reference(), cell.triangles()),
+            mesh: cell.mesh().clone(),
             clock: None,
             history: VecDeque::new(),
             least_wall_distance: f64::INFINITY,
             greatest_area_strain: 0.0,
             volume_drift: 0.0,
+            least_triangle: 1.0,
+            folded_edges: 0,
             peak_pressure_drop: 0.0,
             pressure_drop: 0.0,
             elapsed: 0.0,
@@ -82,16 +87,17 @@ impl<'a> Passage<'a> {
             return Ok(None);
         }
         let x = scene.body_positions(self.cell)?;
-        let triangles = &scene.bodies()[0].triangles;
+        let triangles = self.mesh.triangles();
         let nose = x.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let tail = x.x.iter().copied().fold(f64::INFINITY, f64::min);
         self.least_wall_distance = self.least_wall_distance.min(scene.wall_distance(self.cell)?);
-        let strain = surface_area(x, triangles) / self.area - 1.0;
+        let strain = surface_area(x, triangles) / self.mesh.area() - 1.0;
         self.greatest_area_strain = self.greatest_area_strain.max(strain);
-        let drift = enclosed_volume(x, triangles) / self.volume - 1.0;
+        let drift = enclosed_volume(x, triangles) / self.mesh.volume() - 1.0;
         if drift.abs() > self.volume_drift.abs() {
             self.volume_drift = drift;
         }
+        self.look_at_mesh(x);
         self.pressure_drop = scene.fluid().map_or(0.0, |f| f.body_force().x) * self.device.length;
         if self.clock.is_none() && nose >= self.device.entry {
             self.clock = Some(scene.time());
@@ -116,6 +122,19 @@ impl<'a> Passage<'a> {
             return Ok(Some(Outcome::Stuck));
         }
         Ok((self.elapsed > 20.0 * self.empty.transit).then_some(Outcome::Undecided))
+    }
+
+    fn look_at_mesh(&mut self, x: Soa3Ref<'_>) {
+        let area = |x: Soa3Ref<'_>, t: usize| {
+            let [a, b, c] = self.mesh.triangles()[t].map(|i| x.get(i as usize));
+            (b - a).cross(&(c - a))
+        };
+        let ratio = |t: usize| area(x, t).norm() / area(self.mesh.nodes(), t).norm();
+        let least = (0..self.mesh.triangles().len()).map(ratio).fold(1.0, f64::min);
+        let folded = |e: &&Edge| area(x, e.triangles[0] as usize).dot(&area(x, e.triangles[1] as usize)) < 0.0;
+        let count = self.mesh.edges().iter().filter(folded).count();
+        self.least_triangle = self.least_triangle.min(least);
+        self.folded_edges = self.folded_edges.max(count);
     }
 
     /// Time in which the mean flow of the channel covers the way to the slit, s.

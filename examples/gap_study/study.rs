@@ -47,6 +47,10 @@ pub struct Row {
     pub greatest_area_strain: f64,
     /// Greatest relative change of the cell's volume.
     pub volume_drift: f64,
+    /// Least area of a triangle over its area at rest: how far the flow has sheared the surface.
+    pub least_triangle: f64,
+    /// Most edges at once whose two triangles face away from each other.
+    pub folded_edges: usize,
     /// Static estimate: force that squeezes the cell in, N.
     pub static_force: f64,
     /// Static estimate: pressure drop with the cell in the slit times blocked area, N.
@@ -120,7 +124,7 @@ pub fn run_all(
 pub fn line(done: &Done) -> String {
     let r = &done.row;
     let mut text = format!(
-        "{:4} {:6} {:5.1}  {:9} {:8.1} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.0} {:7.0} {:8} {:6.1}",
+        "{:4} {:6} {:5.1}  {:9} {:8.1} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.3} {:6} {:7.0} {:7.0} {:8} {:6.1}",
         r.cell,
         r.orientation,
         r.gap * 1e6,
@@ -133,6 +137,8 @@ pub fn line(done: &Done) -> String {
         r.least_wall_distance * 1e6,
         r.greatest_area_strain * 1e2,
         r.volume_drift * 1e2,
+        r.least_triangle,
+        r.folded_edges,
         r.static_force * 1e12,
         r.flow_force * 1e12,
         r.steps,
@@ -145,7 +151,7 @@ pub fn line(done: &Done) -> String {
 }
 
 /// The head of that table.
-pub const HEAD: &str = "cell facing gap_um outcome  time_ms fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   squeeze flow_pN  steps    s";
+pub const HEAD: &str = "cell facing gap_um outcome  time_ms fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   least_t folded squeeze flow_pN  steps    s";
 
 fn run_one(device: &Device, options: &Options) -> Result<Done, Box<dyn Error>> {
     let empty = Empty::of(device)?;
@@ -245,6 +251,8 @@ fn row(
         least_wall_distance_in_spacings: passage.least_wall_distance / device.spacing,
         greatest_area_strain: passage.greatest_area_strain,
         volume_drift: passage.volume_drift,
+        least_triangle: passage.least_triangle,
+        folded_edges: passage.folded_edges,
         static_force: estimate.force,
         flow_force,
         static_passes: flow_force >= estimate.force,
