@@ -47,3 +47,7 @@ pub mod prelude {
     pub use crate::membrane::{Cell, Form, Mesh, presets};
     pub use std::sync::Arc;
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeDoctests;

@@ -1,9 +1,39 @@
-//! Magnetic sources, soft-magnetic beads and the forces between them.
+//! Magnetic sources, soft-magnetic beads and the forces between them, at a known error. Usable without a grid.
 //!
 //! All quantities are SI and `f64`; fields are flux densities B (T), gradients dB_i/dx_j (T/m).
+//!
+//! - **Sources** ([`FieldSource`]): [`Uniform`], [`ChargeSheet`] and the paper's [`SheetPair`], [`Cuboid`], [`PointDipole`],
+//!   [`MagnetisedSphere`], [`CurrentLoop`], their [`Sum`], and a user's own.
+//! - **Beads** ([`Bead`]): linear by [`Apparent`] or [`Intrinsic`] susceptibility, [`Saturation`], a [`Table`], or remanent.
+//! - **Models** ([`Model`]), a ladder: [`FixedDipoles`], [`MutualDipoles`], [`PairCorrected`] (pairs and open chains, the
+//!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
+//!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
+//!   reference for tests.
+//! - **Motion** ([`Overdamped`]): drag on v - u(x), near walls and near other beads. [`BeadForces`] puts the forces into a
+//!   scene. [`find_chains`] and [`chain_gaps`] say what has formed.
+//!
+//! ```
+//! use lbm_ibm_coupling::{Soa3, UM, Vec3};
+//! use lbm_ibm_magnetics::*;
+//!
+//! // Two beads between the paper's sheets, and a bias field.
+//! let sheets = SheetPair::opposite(Vec3::zeros(), [100.0 * UM, 50.0 * UM], 120.0 * UM, 0.1)?;
+//! let source = Sum::new().with(sheets).with(Uniform::new(Vec3::z() * 0.02));
+//! let bead = Bead::new(2.25 * UM, 1600.0, Apparent::new(1.2)?)?;
+//! let x: Soa3 = [Vec3::zeros(), Vec3::z() * 5.0 * UM].into_iter().collect();
+//! let beads = [bead.clone(), bead];
+//! let problem = Problem::new(&beads, x.view(), &source, 0.0)?;
+//! let mut solution = Solution::new();
+//! PairCorrected::new().solve(&problem, &mut solution)?;
+//! assert!(solution.force.get(0).z > 0.0 && solution.error.force < 0.3 * solution.force.get(0).z);
+//! # Ok::<(), MagneticsError>(())
+//! ```
 
 mod bead;
+mod chains;
+mod dynamics;
 mod error;
+mod forces;
 mod kernel;
 mod model;
 mod source;
@@ -12,12 +42,19 @@ mod two_sphere;
 pub use bead::{
     Apparent, Bead, Intrinsic, Magnetisation, Preset, Response, Saturation, SaturationShape, Sourced, Table,
 };
+pub use chains::{Chain, chain_gaps, find_chains};
+pub use dynamics::{
+    Overdamped, PairMobility, Regime, Repulsion, parallel_drag, perpendicular_drag, squeeze_mobility, wall_mobility,
+};
 pub use error::MagneticsError;
-pub use model::{ErrorEstimate, FixedDipoles, Model, MutualDipoles, PairCorrected, Problem, Solution, dense_moments};
+pub use forces::BeadForces;
+pub use model::{
+    ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
+    dipole_forces,
+};
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,
 };
-
 pub use two_sphere::{PairForce, TwoSpheres};
 
 /// The magnetic constant as this crate uses it, 4e-7 pi N/A^2 (the value before 2019; today's differs by 1e-10).

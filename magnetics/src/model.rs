@@ -4,13 +4,16 @@ mod corrected;
 mod dense;
 mod estimate;
 mod fixed;
+mod multipole;
 mod mutual;
 mod near;
+mod operator;
 mod tables;
 
 pub use corrected::PairCorrected;
 pub use dense::dense_moments;
-pub use fixed::FixedDipoles;
+pub use fixed::{FixedDipoles, dipole_forces};
+pub use multipole::Multipoles;
 pub use mutual::MutualDipoles;
 
 use crate::bead::Bead;
@@ -145,4 +148,14 @@ pub trait Model: Send {
     /// # Errors
     /// [`MagneticsError::NotFinite`] for a field, [`MagneticsError::NotConverged`], [`MagneticsError::NotLinear`].
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError>;
+}
+
+impl<M: Model + ?Sized> Model for Box<M> {
+    fn name(&self) -> &'static str {
+        (**self).name()
+    }
+
+    fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
+        (**self).solve(problem, out)
+    }
 }

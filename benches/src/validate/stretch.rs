@@ -9,16 +9,21 @@ use lbm_ibm::membrane::{Cell, Form, MembraneError, presets};
 const UM: f64 = 1e-6;
 const PN: f64 = 1e-12;
 
-/// The shape of a cell at each row's force, pulled from one force to the next in ascending order.
-fn shapes(cell: &Cell, patch: Patch, forces: &[f64]) -> Result<Vec<Shape>, MembraneError> {
+/// The shape of a cell at each row's force, pulled from one force to the next in ascending order; none from the first
+/// force on at which the cell has no equilibrium.
+fn shapes(cell: &Cell, patch: Patch, forces: &[f64]) -> Result<Vec<Option<Shape>>, MembraneError> {
     let mut order: Vec<usize> = (0..forces.len()).collect();
     order.sort_by(|&a, &b| forces[a].total_cmp(&forces[b]));
     let mut stretch = Stretch::new(cell.clone(), patch.ends(cell.reference())?);
     let mut shapes = vec![None; forces.len()];
     for i in order {
-        shapes[i] = Some(stretch.pull(forces[i])?);
+        match stretch.pull(forces[i]) {
+            Ok(shape) => shapes[i] = Some(shape),
+            Err(MembraneError::NoEquilibrium { .. }) => break,
+            Err(error) => return Err(error),
+        }
     }
-    Ok(shapes.into_iter().flatten().collect())
+    Ok(shapes)
 }
 
 fn forces(table: &Table) -> Result<Vec<f64>, ReferenceError> {
@@ -30,7 +35,7 @@ fn compare(
     table: &Table,
     preset: fn(Form) -> Result<Cell, MembraneError>,
     patch: Patch,
-    mut judge: impl FnMut(&mut Findings, &Row, &Shape, &Shape) -> Result<(), ReferenceError>,
+    mut judge: impl FnMut(&mut Findings, &Row, &Shape, Option<&Shape>) -> Result<(), ReferenceError>,
 ) -> Outcome {
     let mut findings = Findings::of(table.name());
     let forces = forces(table)?;
@@ -39,7 +44,10 @@ fn compare(
     let corrected = shapes(&preset(Form::Corrected)?, patch, &forces)?;
     for (i, row) in table.rows().iter().enumerate() {
         findings.begin(row.key(&["force_pN"]));
-        judge(&mut findings, row, &paper[i], &corrected[i])?;
+        let shape = paper[i]
+            .as_ref()
+            .ok_or("the paper's cell has no equilibrium under a force of the table")?;
+        judge(&mut findings, row, shape, corrected[i].as_ref())?;
     }
     Ok(findings)
 }
@@ -56,13 +64,11 @@ pub fn paper_rbc_stretch(table: &Table, _effort: Effort) -> Outcome {
             f.check("axial (um)", paper.axial / UM, axial, 0.06);
             f.check("transverse (um)", paper.transverse / UM, transverse, 0.06);
             f.check("thickness (um)", paper.thickness / UM, thickness, 0.06);
-            f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
-            f.report(
-                "transverse, corrected (um)",
-                corrected.transverse / UM,
-                transverse,
-                transverse,
-            );
+            if let Some(corrected) = corrected {
+                let across = corrected.transverse / UM;
+                f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
+                f.report("transverse, corrected (um)", across, transverse, transverse);
+            }
             Ok(())
         },
     )
@@ -77,7 +83,9 @@ pub fn paper_ctc_stretch(table: &Table, _effort: Effort) -> Outcome {
         |f, row, paper, corrected| {
             let axial = row.number("axial_um")?;
             f.check("axial (um)", paper.axial / UM, axial, 0.03);
-            f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
+            if let Some(corrected) = corrected {
+                f.report("axial, corrected (um)", corrected.axial / UM, axial, axial);
+            }
             if row.number("force_pN")? == 79.0 {
                 f.check_scaled("strain", paper.axial / (16.0 * UM) - 1.0, 0.297, 1.0, 0.01);
             }
@@ -98,7 +106,9 @@ pub fn rbc_optical_tweezers(table: &Table, _effort: Effort) -> Outcome {
             let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
             if half.is_finite() && force <= 88.0 {
                 f.check_scaled("axial in bar (um)", paper.axial / UM, middle, half, 1.0);
-                f.report("axial, corrected (um)", corrected.axial / UM, middle, half);
+                if let Some(corrected) = corrected {
+                    f.report("axial, corrected (um)", corrected.axial / UM, middle, half);
+                }
             } else if half.is_finite() {
                 f.report("axial (um)", paper.axial / UM, middle, half);
             }

@@ -48,17 +48,12 @@ fn sum<const FIELD: bool, const FORCE: bool>(sources: &Sources, x: Vec3, m: Vec3
     let (three_halves, minus_five) = (_mm512_set1_pd(1.5), _mm512_set1_pd(-5.0));
     let (minus_half, three) = (_mm512_set1_pd(-0.5), _mm512_set1_pd(3.0));
     let (mut field, mut force, mut along) = ([zero; 3], [zero; 3], zero);
-    let chunks =
-        |a: &'_ [Vec<f64>; 3]| -> [*const [f64; LANES]; 3] { [0, 1, 2].map(|c| a[c].as_chunks::<LANES>().0.as_ptr()) };
-    let (px, pm) = (chunks(&sources.x), chunks(&sources.m));
-    for k in 0..sources.x[0].len() / LANES {
-        // SAFETY: the six arrays have the same padded length, of which k counts the chunks.
-        let (p, s) = unsafe {
-            (
-                [load(&*px[0].add(k)), load(&*px[1].add(k)), load(&*px[2].add(k))],
-                [load(&*pm[0].add(k)), load(&*pm[1].add(k)), load(&*pm[2].add(k))],
-            )
-        };
+    let chunks = sources.x[0].len() / LANES;
+    let [x0, x1, x2] = sources.x.each_ref().map(|a| &a.as_chunks::<LANES>().0[..chunks]);
+    let [m0, m1, m2] = sources.m.each_ref().map(|a| &a.as_chunks::<LANES>().0[..chunks]);
+    for k in 0..chunks {
+        let p = [load(&x0[k]), load(&x1[k]), load(&x2[k])];
+        let s = [load(&m0[k]), load(&m1[k]), load(&m2[k])];
         let r = [
             _mm512_sub_pd(target[0], p[0]),
             _mm512_sub_pd(target[1], p[1]),

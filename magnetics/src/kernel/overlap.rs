@@ -78,8 +78,8 @@ mod tests {
     #[test]
     fn the_pieces_meet_and_the_force_is_the_gradient_of_the_energy() {
         let (m, n) = (Vec3::new(0.3, 1.0, -0.4), Vec3::new(-0.2, 0.5, 0.8));
-        for (a, b) in [(1.0, 1.0), (1.0, 1.0 + 1e-7), (1.0, 1.5), (2.0, 0.5)] {
-            for edge in [a + b, (a - b as f64).abs()] {
+        for (a, b) in [(1.0f64, 1.0), (1.0, 1.0 + 1e-7), (1.0, 1.5), (2.0, 0.5)] {
+            for edge in [a + b, f64::abs(a - b)] {
                 let (inner, outer) = (Overlap::balls(a, b, edge - 1e-9), Overlap::balls(a, b, edge + 1e-9));
                 if edge > 1e-3 {
                     assert_relative_eq!(inner.p1, outer.p1, max_relative = 1e-6);

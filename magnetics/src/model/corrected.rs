@@ -3,8 +3,9 @@
 mod midpoints;
 mod quadrupoles;
 
-use super::mutual::{finish, norm};
+use super::mutual::finish;
 use super::near::{Interaction, pairs};
+use super::operator::norm;
 use super::tables::{Tables, force_size};
 use super::{Model, MutualDipoles, Problem, Solution};
 use crate::MU0;
@@ -29,6 +30,7 @@ pub struct PairCorrected {
     dipoles: MutualDipoles,
     tables: Tables,
     reach: f64,
+    adjoint: Soa3,
 }
 
 /// A pair with its extra moment.
@@ -57,6 +59,7 @@ impl PairCorrected {
             dipoles: MutualDipoles::new(),
             tables: Tables::new(Fineness::FORCE, 2.0),
             reach: 2.0,
+            adjoint: Soa3::default(),
         }
     }
 
@@ -177,19 +180,24 @@ impl Model for PairCorrected {
             let (tables, m) = (&self.tables, &out.moment);
             out.energy += add_cross_terms(problem, &extras, tables, m, &mut back, &mut out.force);
             // What the extra moments induce, and the forces of that.
-            let (induced, iterations) = self.dipoles.respond(problem, &mut dipoles, &back);
+            let (induced, iterations) = self.dipoles.respond(problem, &mut dipoles, &back, &mut self.adjoint);
             out.error.iterations += iterations;
-            let (mut local, mut force) = (Soa3::default(), Soa3::default());
-            dipoles.field_and_force(out.moment.view(), induced.view(), &mut local, &mut force);
-            for i in 0..n {
-                out.force.add(i, force.get(i));
-                let extra = local.get(i) + back.get(i);
-                out.torque
-                    .add(i, problem.beads[i].response(Vec3::zeros()).moment.cross(&extra));
+            let remanent: Soa3 = problem.beads.iter().map(|b| b.response(Vec3::zeros()).moment).collect();
+            if norm(&remanent) > 0.0 {
+                let mut field = Soa3::default();
+                dipoles.induced_field(induced.view(), &mut field);
+                for i in 0..n {
+                    out.torque.add(i, remanent.get(i).cross(&(field.get(i) + back.get(i))));
+                }
             }
-            dipoles.field_and_force(induced.view(), out.moment.view(), &mut local, &mut force);
+            let mut force = Soa3::default();
+            for (on, by) in [(&out.moment, &induced), (&induced, &out.moment)] {
+                dipoles.force(on.view(), by.view(), &mut force);
+                for i in 0..n {
+                    out.force.add(i, force.get(i));
+                }
+            }
             for i in 0..n {
-                out.force.add(i, force.get(i));
                 out.moment.add(i, induced.get(i));
             }
             dipoles.add_source_force(induced.view(), &mut out.force);

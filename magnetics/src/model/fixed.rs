@@ -1,10 +1,37 @@
 //! Fixed dipoles: every bead has the moment of a lone bead in the source's field.
 
 use super::estimate::{Dipoles, Estimate};
-use super::near::Interaction;
+use super::near::{FACTOR, Interaction};
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::error::MagneticsError;
-use lbm_ibm_coupling::Soa3;
+use crate::kernel::{self, Sources, Want};
+use lbm_ibm_coupling::{Soa3, Soa3Ref};
+
+/// Forces (N) of dipoles of given moments `m` (A m2) at `x` (m) on each other, and with `torque` their torques (N m): the
+/// bare sum, without source, energy or estimate. Dipoles at one place are left out.
+pub fn dipole_forces(x: Soa3Ref<'_>, m: Soa3Ref<'_>, torque: bool, out: &mut Solution) {
+    let mut sources = Sources::default();
+    sources.set_positions(x);
+    sources.set_moments(m);
+    let want = if torque { Want::Both } else { Want::Force };
+    let mut field = Soa3::default();
+    kernel::sums(
+        &sources,
+        x,
+        m,
+        f64::MIN_POSITIVE.sqrt(),
+        want,
+        &mut field,
+        &mut out.force,
+    );
+    out.torque.resize(x.len());
+    for i in 0..x.len() {
+        out.force.set(i, out.force.get(i) * FACTOR);
+        if torque {
+            out.torque.set(i, m.get(i).cross(&field.get(i)) * FACTOR);
+        }
+    }
+}
 
 /// Dipoles that do not magnetise each other.
 ///

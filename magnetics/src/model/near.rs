@@ -110,11 +110,39 @@ impl<'a> Interaction<'a> {
         scale(force, FACTOR);
     }
 
+    /// Force (N) of all moments `by` on each moment `on` (A m2).
+    pub fn force(&mut self, on: Soa3Ref<'_>, by: Soa3Ref<'_>, force: &mut Soa3) {
+        self.sources.set_moments(by);
+        let x = self.problem.positions;
+        let near = self.near_distance;
+        kernel::sums(&self.sources, x, on, near, Want::Force, &mut Soa3::default(), force);
+        for pair in &self.near {
+            let balls = self.overlap(pair);
+            let (i, j) = (pair.i, pair.j);
+            force.add(i, balls.force(on.get(i), by.get(j), pair.r));
+            force.add(j, balls.force(on.get(j), by.get(i), -pair.r));
+        }
+        scale(force, FACTOR);
+    }
+
     /// Adds the source's force (grad B)^T m to `force`.
     pub fn add_source_force(&self, m: Soa3Ref<'_>, force: &mut Soa3) {
         for i in 0..m.len() {
             force.add(i, self.gradient[i].tr_mul(&m.get(i)));
         }
+    }
+
+    /// The beads' centres, m.
+    pub fn positions(&self) -> Soa3Ref<'a> {
+        self.problem.positions
+    }
+
+    /// Force (N) of the moments `m` on each other, pairs within `near` (m) left out.
+    pub fn force_at(&mut self, m: &Soa3, near: f64, out: &mut Soa3) {
+        self.sources.set_moments(m.view());
+        let x = self.problem.positions;
+        kernel::sums(&self.sources, x, m.view(), near, Want::Force, &mut Soa3::default(), out);
+        scale(out, FACTOR);
     }
 
     /// Field (T) of the moments `m` at other points than the beads, those within `near` (m) left out.
