@@ -33,15 +33,15 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations in 50 steps: the least of five rounds, after one to warm up.
+/// Allocations in 10 steps: the least of three rounds, after one to warm up.
 fn allocations(scene: &mut Scene) -> usize {
     let mut round = || {
         let before = CALLS.load(Ordering::Relaxed);
-        (0..50).for_each(|_| scene.step().expect("a scene that runs"));
+        (0..10).for_each(|_| scene.step().expect("a scene that runs"));
         CALLS.load(Ordering::Relaxed) - before
     };
     round();
-    (0..5).map(|_| round()).min().unwrap_or(usize::MAX)
+    (0..3).map(|_| round()).min().unwrap_or(usize::MAX)
 }
 
 /// One test, so that nothing else runs beside it.

@@ -28,12 +28,12 @@ fn bits(threads: usize, steps: usize, slit_scene: bool) -> Vec<u64> {
 
 #[test]
 fn a_cell_in_a_slit() {
-    let one = bits(1, 40, true);
-    assert!(one == bits(2, 40, true) && one == bits(3, 40, true));
+    let one = bits(1, 10, true);
+    assert!(one == bits(2, 10, true) && one == bits(3, 10, true));
 }
 
 #[test]
 fn a_crowd_of_spheres() {
-    let one = bits(1, 20, false);
-    assert!(one == bits(2, 20, false) && one == bits(3, 20, false));
+    let one = bits(1, 6, false);
+    assert!(one == bits(2, 6, false) && one == bits(3, 6, false));
 }

@@ -2,10 +2,7 @@
 
 use lbm_ibm_coupling::{Soa3, Vec3};
 use lbm_ibm_magnetics::*;
-fn cpu() -> f64 {
-    let s = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
-    s.split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9
-}
+use std::time::Instant;
 
 fn main() -> Result<(), MagneticsError> {
     let count: usize = std::env::args().nth(1).and_then(|n| n.parse().ok()).unwrap_or(10_000);
@@ -24,9 +21,9 @@ fn main() -> Result<(), MagneticsError> {
     for torque in [false, true] {
         let best = (0..7)
             .map(|_| {
-                let start = cpu();
+                let start = Instant::now();
                 dipole_forces(x.view(), moment.view(), torque, &mut out);
-                (cpu() - start)
+                start.elapsed().as_secs_f64()
             })
             .fold(f64::INFINITY, f64::min);
         let what = if torque { "force and torque" } else { "force" };
@@ -35,9 +32,9 @@ fn main() -> Result<(), MagneticsError> {
     let sheets = SheetPair::opposite(Vec3::zeros(), [100e-6, 50e-6], 120e-6, 1.0)?;
     let (mut b, mut g) = (Soa3::default(), Vec::new());
     let points: Soa3 = (0..100_000).map(|k| chained(k, 100_000, 0.0) * 0.05).collect();
-    let start = cpu();
+    let start = Instant::now();
     sheets.fields_and_gradients(points.view(), 0.0, &mut b, &mut g);
-    let time = (cpu() - start) / points.len() as f64;
+    let time = start.elapsed().as_secs_f64() / points.len() as f64;
     println!("pair of sheets, field and gradient: {:.1} ns per point", time * 1e9);
     let mut models: [Box<dyn Model>; 3] = [
         Box::new(FixedDipoles::new()),
@@ -49,9 +46,9 @@ fn main() -> Result<(), MagneticsError> {
         for shift in [0.0, 2e-9] {
             let x: Soa3 = (0..count).map(|k| chained(k, count, shift)).collect();
             let problem = Problem::new(&beads, x.view(), &source, 0.0)?;
-            let start = cpu();
+            let start = Instant::now();
             model.solve(&problem, &mut out)?;
-            let time = (cpu() - start) * 1e3;
+            let time = start.elapsed().as_secs_f64() * 1e3;
             let warm = if shift > 0.0 { "warm" } else { "cold, with its tables" };
             println!(
                 "{}: {time:.2} ms, {} iterations, {warm}",
