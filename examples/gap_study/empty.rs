@@ -25,7 +25,7 @@ impl Empty {
         let (mut last, mut steady) = (f64::NAN, 0);
         Run::new()
             .until("steady", |scene| {
-                if scene.steps() % 100 != 0 {
+                if !scene.steps().is_multiple_of(100) {
                     return false;
                 }
                 let now = drop(scene);

@@ -83,7 +83,7 @@ impl<'a> Passage<'a> {
 
     /// Looks at the scene; says how the run ends, when it does.
     pub fn look(&mut self, scene: &Scene) -> Result<Option<Outcome>, SceneError> {
-        if scene.steps() % EVERY != 0 {
+        if !scene.steps().is_multiple_of(EVERY) {
             return Ok(None);
         }
         let x = scene.body_positions(self.cell)?;
