@@ -119,9 +119,11 @@ pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f
     let grid = Grid::new(shape, spacing, [true, false, true]);
     let fluid = Fluid::new(grid, DENSITY * scale, VISCOSITY, Pace::TimeStep(time_step))?;
     let fluid = fluid.with_drive(Drive::flux(0, SPEED))?;
-    // A cell without a volume law may lose more than the guard allows by default.
+    // A cell without a volume law may lose more than the guard allows by default, and the paper's local area modulus is
+    // too small to keep the flow from shearing triangles to slivers.
     let guard = Guard {
         volume: f64::INFINITY,
+        triangle: 0.0,
         ..Guard::default()
     };
     let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default())).with_guard(guard);

@@ -55,7 +55,7 @@ fn a_step_allocates_nothing_on_one_thread() {
         };
         assert_eq!(allocations(&mut slit()?.with_guard(rare())), 0, "a cell in a slit");
         assert_eq!(
-            allocations(&mut crowd(32, 8)?.with_guard(rare())),
+            allocations(&mut crowd(24, 2)?.with_guard(rare())),
             0,
             "a crowd of spheres"
         );

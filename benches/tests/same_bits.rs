@@ -7,7 +7,7 @@ use lbm_ibm_benches::scenes::{crowd, on_threads, slit};
 /// Bits of all node positions and velocities, of the fluid's velocity and of what drives it.
 fn bits(threads: usize, steps: usize, slit_scene: bool) -> Vec<u64> {
     on_threads(threads, || {
-        let mut scene = if slit_scene { slit()? } else { crowd(32, 8)? };
+        let mut scene = if slit_scene { slit()? } else { crowd(24, 2)? };
         for _ in 0..steps {
             scene.step()?;
         }

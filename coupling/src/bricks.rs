@@ -17,10 +17,12 @@ const NONE: u32 = u32::MAX;
 pub struct Bricks {
     counts: [usize; 3],
     slot_of: Vec<u32>,
+    old_slot_of: Vec<u32>,
     wanted: Vec<bool>,
     active: Vec<u32>,
     velocity: [Vec<f64>; 3],
     force: [Vec<f64>; 3],
+    spare: Vec<f64>,
 }
 
 impl Bricks {
@@ -31,10 +33,12 @@ impl Bricks {
         Self {
             counts,
             slot_of: vec![NONE; total],
+            old_slot_of: vec![NONE; total],
             wanted: vec![false; total],
             active: Vec::new(),
             velocity: Default::default(),
             force: Default::default(),
+            spare: Vec::new(),
         }
     }
 
@@ -128,9 +132,10 @@ impl Bricks {
         changed
     }
 
+    /// Renumbers the slots; buffers are kept and grow only when more bricks are in use than ever before.
     fn rebuild(&mut self) {
-        let old = std::mem::take(&mut self.slot_of);
-        self.slot_of = vec![NONE; old.len()];
+        std::mem::swap(&mut self.slot_of, &mut self.old_slot_of);
+        self.slot_of.fill(NONE);
         self.active.clear();
         for (b, _) in self.wanted.iter().enumerate().filter(|(_, w)| **w) {
             self.slot_of[b] = self.active.len() as u32;
@@ -138,14 +143,16 @@ impl Bricks {
         }
         let n = self.active.len() * NODES;
         for force in &mut self.force {
-            let mut next = vec![0.0; n];
+            std::mem::swap(force, &mut self.spare);
+            force.clear();
+            force.resize(n, 0.0);
             for (slot, &b) in self.active.iter().enumerate() {
-                if old[b as usize] != NONE {
-                    let from = old[b as usize] as usize * NODES;
-                    next[slot * NODES..][..NODES].copy_from_slice(&force[from..][..NODES]);
+                let old = self.old_slot_of[b as usize];
+                if old != NONE {
+                    let from = old as usize * NODES;
+                    force[slot * NODES..][..NODES].copy_from_slice(&self.spare[from..][..NODES]);
                 }
             }
-            *force = next;
         }
         for velocity in &mut self.velocity {
             velocity.clear();

@@ -90,6 +90,9 @@ impl CellList {
             for cy in 0..ny {
                 for cx in 0..nx {
                     let here = self.linear([cx, cy, cz]);
+                    if self.members(here).is_empty() {
+                        continue;
+                    }
                     let (around, count) = self.around([cx, cy, cz]);
                     for &i in self.members(here) {
                         for &there in &around[..count] {

@@ -189,9 +189,21 @@ impl Fluid {
     }
 
     fn check_row(&self, row: &Row) -> Option<FluidError> {
-        for run in &self.links.runs[row.runs.clone()] {
-            let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; run.len()]);
-            self.moments(row.j, row.k, run.clone(), moments.each_mut().map(|m| m.as_mut_slice()));
+        const PIECE: usize = 64;
+        let runs = &self.links.runs[row.runs.clone()];
+        let pieces = runs.iter().flat_map(|run| {
+            run.clone()
+                .step_by(PIECE)
+                .map(|start| start..(start + PIECE).min(run.end))
+        });
+        let mut moments = [[0.0; PIECE]; 4];
+        for run in pieces {
+            self.moments(
+                row.j,
+                row.k,
+                run.clone(),
+                moments.each_mut().map(|m| &mut m[..run.len()]),
+            );
             for i in 0..run.len() {
                 let [density, x, y, z] = [0, 1, 2, 3].map(|m| moments[m][i]);
                 let mach = (3.0 * (x * x + y * y + z * z)).sqrt();

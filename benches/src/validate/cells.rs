@@ -50,8 +50,7 @@ struct Ride {
 }
 
 /// The paper's cells carried along a channel over 50 diameters (10 in a quick run): the volume drifts by less than 0.5 %
-/// with the paper's laws. Without a volume modulus, and with the corrected laws, with which the guard may end the ride of
-/// the soft tumour cell, drift and way are reported.
+/// with the paper's laws. Without a volume modulus, and with the corrected laws, drift and way are reported.
 pub fn free_cell(effort: Effort) -> Outcome {
     let mut findings = Findings::of("free_cell");
     let diameters = if effort.quick { 10.0 } else { 50.0 };
@@ -98,7 +97,12 @@ pub fn free_cell(effort: Effort) -> Outcome {
         Ok((travel(&mut scene, diameters * ride.diameter), scene.steps()))
     })?;
     for ((form, ride), ((way, steps), seconds)) in rows.iter().zip(ways) {
-        findings.begin_done(key(&[("cell", ride.cell.kind()), ("form", form)]), seconds);
+        let row = [
+            ("cell", ride.cell.kind()),
+            ("form", form),
+            ("diameters", &diameters.to_string()),
+        ];
+        findings.begin_done(key(&row), seconds);
         let travelled = way.distance / ride.diameter;
         if form.starts_with("2011") {
             findings.check_scaled("greatest volume drift", way.drift, 0.0, 1.0, 5e-3);
