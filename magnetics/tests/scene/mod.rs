@@ -1,6 +1,6 @@
 //! Beads, clusters and finite differences that the tests share. Units of the reference tables: a, H0, mu0 H0^2 a^2.
 
-#![allow(dead_code)]
+#![allow(dead_code)] // every test binary compiles this module and uses a part of it
 
 use lbm_ibm_coupling::{Soa3, Vec3};
 use lbm_ibm_magnetics::*;

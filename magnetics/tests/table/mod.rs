@@ -1,6 +1,6 @@
 //! Reads the reference tables: lines of comment, a header, rows.
 
-#![allow(dead_code)]
+#![allow(dead_code)] // every test binary compiles this module and uses a part of it
 
 use lbm_ibm_coupling::Vec3;
 
