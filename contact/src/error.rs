@@ -32,4 +32,7 @@ pub enum ContactError {
         /// Least thickness, m.
         needed: f64,
     },
+    /// A wall of spheres without any sphere.
+    #[error("a wall of spheres needs at least one sphere")]
+    NoSpheres,
 }

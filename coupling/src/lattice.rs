@@ -19,7 +19,7 @@ pub enum FluidError {
         what: String,
     },
     /// A channel between walls has too few nodes to carry a flow.
-    #[error("the gap at node ({}, {}, {}) is {cells} cell(s) wide along {axis}, a flow needs {needed}: use a spacing of at most {spacing:.3e} m", node[0], node[1], node[2])]
+    #[error("the gap at node ({}, {}, {}) is {cells} cell(s) wide along {axis}, a flow needs {needed}: use a spacing of at most {spacing:.3e} m, or let the fluid fill narrow gaps", node[0], node[1], node[2])]
     NarrowGap {
         /// A node in the gap.
         node: [usize; 3],
@@ -56,6 +56,8 @@ pub struct WallReport {
     pub wall_links: usize,
     /// Fewest fluid nodes across any gap between walls, and the axis (0 to 2) it was seen along.
     pub narrowest: Option<(usize, usize)>,
+    /// Nodes in gaps too narrow to carry a flow that were made solid, where the fluid was told to do so.
+    pub filled_nodes: usize,
 }
 
 /// Velocity, pressure and solid mask on the whole grid, x fastest, for files and pictures.

@@ -18,6 +18,7 @@ mod lattice;
 mod run;
 mod scene;
 mod soa;
+mod sphere;
 mod units;
 
 pub use body::{ImmersedBody, Motion, enclosed_volume, surface_area};
@@ -33,6 +34,7 @@ pub use lattice::{FluidError, Lattice, Macroscopic, WallReport};
 pub use run::{Finished, Run, RunError, Schedule};
 pub use scene::Scene;
 pub use soa::{Soa3, Soa3Mut, Soa3Ref};
+pub use sphere::Sphere;
 
 pub use units::{MM, MS, NN, PN, Scales, UM, US, Units, UnitsReport};
 

@@ -49,6 +49,7 @@ pub struct Fluid {
     pub(crate) tau: f64,
     pub(crate) collision: Collision,
     pub(crate) inertia: bool,
+    pub(crate) fill_narrow: bool,
     pub(crate) mach_limit: f64,
     pub(crate) drive: Drive,
     pub(crate) kernels: Kernels,
@@ -114,6 +115,7 @@ impl Fluid {
             tau,
             collision: Collision::default(),
             inertia: true,
+            fill_narrow: false,
             mach_limit: 0.5,
             drive: Drive::default(),
             kernels: Kernels::best(),
@@ -150,6 +152,14 @@ impl Fluid {
     pub fn with_inertia(mut self, inertia: bool) -> Self {
         self.inertia = inertia;
         self.coefficients = Coefficients::new(self.collision, self.tau, inertia);
+        self
+    }
+
+    /// Gaps between walls too narrow to carry a flow (under two nodes) are made solid, and counted in
+    /// [`WallReport::filled_nodes`](lbm_ibm_coupling::WallReport::filled_nodes), instead of being refused: for spheres that
+    /// touch. Contact still has the true walls. Call it before the walls are set.
+    pub fn with_narrow_gaps_filled(mut self) -> Self {
+        self.fill_narrow = true;
         self
     }
 

@@ -35,7 +35,12 @@ impl Lattice for Fluid {
 
     fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError> {
         let walls = walls.as_deref();
-        let mask = Mask::new(&self.grid, walls, t)?;
+        let mut mask = Mask::new(&self.grid, walls, t)?;
+        let filled_nodes = if self.fill_narrow {
+            mask.fill_narrow(&self.grid, walls, t)?
+        } else {
+            0
+        };
         let narrowest = mask.narrowest(&self.grid, walls, t)?;
         self.replace_mask(mask, walls, t);
         Ok(WallReport {
@@ -43,6 +48,7 @@ impl Lattice for Fluid {
             solid_nodes: self.grid.len() - self.mask.fluid_nodes,
             wall_links: self.links.walls.len(),
             narrowest,
+            filled_nodes,
         })
     }
 

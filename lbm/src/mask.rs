@@ -80,6 +80,80 @@ impl Mask {
         t: f64,
     ) -> Result<Option<(usize, usize)>, FluidError> {
         let mut narrowest: Option<(usize, usize)> = None;
+        let mut fault = None;
+        self.for_each_run(grid, walls, t, |line, start, len| {
+            if fault.is_some() || narrowest.is_some_and(|(n, _)| len >= n) {
+                return;
+            }
+            let Some(width) = line.gap(start, len) else { return };
+            if len < NEEDED {
+                fault = Some(FluidError::NarrowGap {
+                    node: line.at(start).map(|i| i as usize),
+                    cells: len,
+                    needed: NEEDED,
+                    axis: ['x', 'y', 'z'][line.axis],
+                    spacing: width / NEEDED as f64,
+                });
+            }
+            narrowest = Some((len, line.axis));
+        });
+        fault.map_or(Ok(narrowest), Err)
+    }
+
+    /// Makes the nodes of gaps too narrow to carry a flow solid, until there is none; returns their number. What flow goes
+    /// through such a gap is lost: between two spheres in contact it is next to nothing.
+    ///
+    /// # Errors
+    /// [`FluidError::NoFluid`].
+    pub fn fill_narrow(&mut self, grid: &Grid, walls: Option<&dyn Boundary>, t: f64) -> Result<usize, FluidError> {
+        let before = self.fluid_nodes;
+        loop {
+            let mut narrow = Vec::new();
+            self.for_each_run(grid, walls, t, |line, start, len| {
+                if len < NEEDED && line.gap(start, len).is_some() {
+                    narrow.extend((start..start + len).map(|s| line.at(s)));
+                }
+            });
+            if narrow.is_empty() {
+                return Ok(before - self.fluid_nodes);
+            }
+            for [i, j, k] in narrow {
+                if !self.is_solid(i, j, k) {
+                    self.fluid_nodes -= 1;
+                    self.make_solid(grid, [i, j, k]);
+                }
+            }
+            if self.fluid_nodes == 0 {
+                return Err(FluidError::NoFluid { nodes: grid.len() });
+            }
+        }
+    }
+
+    /// Makes a node and its images among the ghosts solid.
+    fn make_solid(&mut self, grid: &Grid, node: [isize; 3]) {
+        let images = |a: usize| {
+            let (n, i) = (grid.shape[a] as isize, node[a]);
+            let wrapped = [i - n, i, i + n].into_iter();
+            wrapped.filter(move |s| *s == i || (grid.periodic[a] && (-1..=n).contains(s)))
+        };
+        for k in images(2) {
+            for j in images(1) {
+                for i in images(0) {
+                    let index = self.index(i, j, k);
+                    self.solid[index] = true;
+                }
+            }
+        }
+    }
+
+    /// Calls `run(line, start, length)` for every run of fluid nodes along every axis.
+    fn for_each_run(
+        &self,
+        grid: &Grid,
+        walls: Option<&dyn Boundary>,
+        t: f64,
+        mut run: impl FnMut(&Line<'_>, usize, usize),
+    ) {
         for axis in 0..3 {
             let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
             for v in 0..grid.shape[c] {
@@ -94,27 +168,11 @@ impl Mask {
                         node,
                     };
                     for [start, len] in self.runs(&line) {
-                        if narrowest.is_some_and(|(n, _)| len >= n) {
-                            continue;
-                        }
-                        let Some(width) = line.gap(start, len) else { continue };
-                        if len < NEEDED {
-                            let mut node = line.node.map(|i| i as usize);
-                            node[axis] = start % grid.shape[axis];
-                            return Err(FluidError::NarrowGap {
-                                node,
-                                cells: len,
-                                needed: NEEDED,
-                                axis: ['x', 'y', 'z'][axis],
-                                spacing: width / NEEDED as f64,
-                            });
-                        }
-                        narrowest = Some((len, axis));
+                        run(&line, start, len);
                     }
                 }
             }
         }
-        Ok(narrowest)
     }
 
     /// Start and length of the fluid runs of a line that end at solids; a run may pass through a periodic end.
@@ -159,6 +217,13 @@ struct Line<'a> {
 }
 
 impl Line<'_> {
+    /// The node `s` places along the line.
+    fn at(&self, s: usize) -> [isize; 3] {
+        let mut node = self.node;
+        node[self.axis] = (s % self.grid.shape[self.axis]) as isize;
+        node
+    }
+
     /// Width (m) of the gap of `len` nodes from `start` on, if the walls at its ends face each other.
     fn gap(&self, start: usize, len: usize) -> Option<f64> {
         let low = self.depth(start as isize - 1, 1.0)?;
