@@ -1,6 +1,6 @@
 //! A fluid as its neighbours see it.
 
-use crate::{Boundary, Bricks, Grid, Vec3};
+use crate::{Boundary, Bricks, Grid, Vec3, Wrench};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -109,6 +109,13 @@ pub trait Lattice: Any + Send {
     /// Superficial velocity: the integral of the velocity over the box divided by the volume of the box, m/s.
     fn superficial_velocity(&self) -> Vec3 {
         Vec3::zeros()
+    }
+
+    /// Force (N) and torque (N m, about the point `about`, m) of the fluid in the last step on each part of the walls that it
+    /// was given, if it can tell. A uniform force density that stands for a pressure gradient acts on the fluid alone: a body
+    /// of volume V would feel V times [`Lattice::body_force`] more.
+    fn wall_loads(&self, _walls: &dyn Boundary, _t: f64, _about: Vec3) -> Option<Vec<Wrench>> {
+        None
     }
 
     /// Looks at every node, for the guard.

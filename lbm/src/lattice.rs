@@ -7,7 +7,7 @@ use crate::mask::Mask;
 use crate::parallel;
 use crate::step::Step;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
 };
 use std::sync::Arc;
 
@@ -105,6 +105,10 @@ impl Lattice for Fluid {
             std::array::from_fn(|a| (momentum[a] + half(a)) / self.grid.len() as f64)
         });
         Vec3::from(flow) * self.velocity_unit()
+    }
+
+    fn wall_loads(&self, walls: &dyn Boundary, t: f64, about: Vec3) -> Option<Vec<Wrench>> {
+        Some(self.momentum_exchange(walls, t, about))
     }
 
     fn check(&self) -> Result<(), FluidError> {

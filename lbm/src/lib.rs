@@ -17,6 +17,7 @@ mod fluid;
 mod isa;
 mod lattice;
 mod links;
+mod loads;
 mod mask;
 mod parallel;
 mod relaxation;

@@ -76,6 +76,14 @@ impl Storage {
         self.data
     }
 
+    /// The number at an index of [`Storage::index`].
+    #[inline]
+    pub fn get(&self, index: usize) -> f64 {
+        assert!(index < self.layout.size() / size_of::<f64>());
+        // SAFETY: inside the allocation, and `self` is shared: nobody writes.
+        unsafe { *self.data.add(index) }
+    }
+
     /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost).
     #[inline]
     pub fn index(&self, i: usize, x: isize, j: isize, k: isize) -> usize {

@@ -1,7 +1,7 @@
 //! VTK files: fluid, bodies and walls, and the time series that ParaView opens.
 
 use super::OutputError;
-use crate::coupling::{Lattice, Scene};
+use crate::coupling::{Lattice, Scene, Soa3Ref, Sphere};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use vtkio::model::{
@@ -45,19 +45,85 @@ impl VtkSeries {
     }
 
     fn collect(&self, what: &str, extension: &str) -> Result<(), OutputError> {
-        let path = self.folder.join(format!("{what}.pvd"));
-        let mut text =
-            String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
-        for (time, frame) in &self.frames {
-            writeln!(
-                text,
-                "<DataSet timestep=\"{time:e}\" part=\"0\" file=\"{what}_{frame:04}.{extension}\"/>"
-            )
-            .map_err(|e| OutputError::at(&path, e))?;
-        }
-        text.push_str("</Collection>\n</VTKFile>\n");
-        std::fs::write(&path, text).map_err(|e| OutputError::at(&path, e))
+        collect(&self.folder, &self.frames, what, extension)
     }
+}
+
+fn collect(folder: &Path, frames: &[(f64, usize)], what: &str, extension: &str) -> Result<(), OutputError> {
+    let path = folder.join(format!("{what}.pvd"));
+    let mut text =
+        String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n");
+    for (time, frame) in frames {
+        writeln!(
+            text,
+            "<DataSet timestep=\"{time:e}\" part=\"0\" file=\"{what}_{frame:04}.{extension}\"/>"
+        )
+        .map_err(|e| OutputError::at(&path, e))?;
+    }
+    text.push_str("</Collection>\n</VTKFile>\n");
+    std::fs::write(&path, text).map_err(|e| OutputError::at(&path, e))
+}
+
+/// A series of moments of beads without a fluid: points with their radius and whatever else is given, one file each
+/// (`beads_0000.vtp`, ...), and the collection `beads.pvd`. In ParaView, glyphs of spheres scaled by `radius`.
+pub struct BeadSeries {
+    folder: PathBuf,
+    frames: Vec<(f64, usize)>,
+}
+
+impl BeadSeries {
+    /// A series in `folder`, which is made.
+    ///
+    /// # Errors
+    /// [`OutputError`] with the folder.
+    pub fn new(folder: &Path) -> Result<Self, OutputError> {
+        std::fs::create_dir_all(folder).map_err(|e| OutputError::at(folder, e))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            frames: Vec::new(),
+        })
+    }
+
+    /// Adds the beads at `time` (s), with `vectors` by name, one entry per bead.
+    ///
+    /// # Errors
+    /// [`OutputError`] with the path.
+    pub fn write(&mut self, time: f64, beads: &[Sphere], vectors: &[(&str, Soa3Ref<'_>)]) -> Result<(), OutputError> {
+        let frame = self.frames.len();
+        self.frames.push((time, frame));
+        let mut point =
+            vec![Attribute::scalars("radius", 1).with_data(beads.iter().map(|b| b.radius).collect::<Vec<_>>())];
+        point.extend(
+            vectors
+                .iter()
+                .map(|(name, v)| Attribute::vectors(*name).with_data(interleave(*v))),
+        );
+        let n = beads.len() as u64;
+        let data = DataSet::inline(PolyDataPiece {
+            points: beads
+                .iter()
+                .flat_map(|b| [b.centre.x, b.centre.y, b.centre.z])
+                .collect::<Vec<_>>()
+                .into(),
+            verts: Some(VertexNumbers::XML {
+                connectivity: (0..n).collect(),
+                offsets: (1..=n).collect(),
+            }),
+            lines: None,
+            polys: None,
+            strips: None,
+            data: Attributes {
+                point,
+                cell: Vec::new(),
+            },
+        });
+        export(&self.folder.join(format!("beads_{frame:04}.vtp")), data)?;
+        collect(&self.folder, &self.frames, "beads", "vtp")
+    }
+}
+
+fn interleave(a: Soa3Ref<'_>) -> Vec<f64> {
+    a.iter().flat_map(|p| [p.x, p.y, p.z]).collect()
 }
 
 /// Writes the signed distance from the walls (m, positive in the fluid) on the fluid's grid: its zero contour is the
@@ -129,7 +195,6 @@ fn image(path: &Path, fluid: &dyn Lattice, cell: Vec<Attribute>) -> Result<(), O
 
 fn write_bodies(path: &Path, scene: &Scene) -> Result<(), OutputError> {
     let (x, v, force) = (scene.positions(), scene.velocities(), scene.loads().node.view());
-    let interleave = |a: crate::coupling::Soa3Ref<'_>| -> Vec<f64> { a.iter().flat_map(|p| [p.x, p.y, p.z]).collect() };
     let mut connectivity = Vec::new();
     let mut body = Vec::new();
     for info in scene.bodies() {
