@@ -16,4 +16,4 @@ pub use plot::{Chart, Mark};
 pub use progress::Progress;
 pub use table::{write_csv, write_json};
 #[cfg(feature = "vtk")]
-pub use vtk::{VtkSeries, write_walls};
+pub use vtk::{BeadSeries, VtkSeries, write_walls};

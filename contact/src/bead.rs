@@ -93,7 +93,8 @@ impl BeadRepulsion {
             self.points.push(view.x.get(*i));
         }
         let largest = self.beads.iter().map(|b| b.radius).fold(0.0, f64::max);
-        self.list.build(self.points.view(), view.domain, 2.0 * largest + self.law.cutoff());
+        self.list
+            .build(self.points.view(), view.domain, 2.0 * largest + self.law.cutoff());
     }
 
     /// Calls `touch(bead, what, direction to the bead, gap)` for every contact within reach, bead pairs once.

@@ -5,7 +5,7 @@ use lbm_ibm_coupling::{Boundary, Domain, Probe, Sphere, Vec3};
 use parry3d_f64::math::{Pose, Real, Vector};
 use parry3d_f64::query::Ray;
 use parry3d_f64::query::RayCast;
-use parry3d_f64::shape::{Ball, Compound, CompositeShapeRef, SharedShape};
+use parry3d_f64::shape::{Ball, CompositeShapeRef, Compound, SharedShape};
 use std::sync::Arc;
 
 /// Spheres as a solid wall, found by parry's tree of boxes; sphere `i` is part `first + i`, so that the load on each
