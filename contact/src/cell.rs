@@ -6,24 +6,40 @@ use lbm_ibm_coupling::{CellList, ForceField, Loads, Vec3, View};
 /// Soft-sphere repulsion between nodes of different bodies, over the nearest periodic image.
 pub struct CellRepulsion {
     law: SoftSphere,
+    except: Vec<String>,
     list: CellList,
     body_of: Vec<u32>,
 }
+
+/// The body of a node that is left out.
+const NOBODY: u32 = u32::MAX;
 
 impl CellRepulsion {
     /// `law` between nodes of different bodies.
     pub fn new(law: SoftSphere) -> Self {
         Self {
             law,
+            except: Vec::new(),
             list: CellList::new(),
             body_of: Vec::new(),
         }
     }
 
+    /// Bodies of this kind are left out: beads, say, that [`BeadRepulsion`](crate::BeadRepulsion) takes care of.
+    pub fn except(mut self, kind: impl Into<String>) -> Self {
+        self.except.push(kind.into());
+        self
+    }
+
     fn find(&mut self, view: &View<'_>) {
         self.body_of.resize(view.x.len(), 0);
         for (b, body) in view.bodies.iter().enumerate() {
-            self.body_of[body.range.clone()].fill(b as u32);
+            let owner = if self.except.contains(&body.kind) {
+                NOBODY
+            } else {
+                b as u32
+            };
+            self.body_of[body.range.clone()].fill(owner);
         }
         self.list.build(view.x, view.domain, self.law.cutoff());
     }
@@ -31,7 +47,8 @@ impl CellRepulsion {
     /// Calls `touch(i, j, direction from j to i, distance)` for every pair within reach.
     fn for_each_contact(&self, view: &View<'_>, mut touch: impl FnMut(usize, usize, Vec3, f64)) {
         self.list.for_each_pair(|i, j| {
-            if self.body_of[i] == self.body_of[j] {
+            let owners = [self.body_of[i], self.body_of[j]];
+            if owners[0] == owners[1] || owners.contains(&NOBODY) {
                 return;
             }
             let d = view.domain.shortest(view.x.get(i) - view.x.get(j));
@@ -120,5 +137,8 @@ mod tests {
         assert_relative_eq!(loads.node.x[0], near, max_relative = 1e-9);
         assert_relative_eq!(loads.node.x[1], far, max_relative = 1e-9);
         assert_relative_eq!(loads.node.x[2], -near - far, max_relative = 1e-9);
+        let mut none = Loads::new(3, 2);
+        CellRepulsion::new(law).except("cell").add_loads(&view, &mut none);
+        assert_eq!(none.node.x, [0.0; 3]);
     }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 pub struct WallRepulsion {
     walls: Arc<dyn Boundary>,
     law: SoftSphere,
+    except: Vec<String>,
     seen: Vec<Seen>,
     least: f64,
 }
@@ -32,9 +33,16 @@ impl WallRepulsion {
         Self {
             walls,
             law,
+            except: Vec::new(),
             seen: Vec::new(),
             least: f64::INFINITY,
         }
+    }
+
+    /// Bodies of this kind are left out: beads, say, that [`BeadRepulsion`](crate::BeadRepulsion) takes care of.
+    pub fn except(mut self, kind: impl Into<String>) -> Self {
+        self.except.push(kind.into());
+        self
     }
 
     /// Least distance (m) of a node within reach since the start or the last [`WallRepulsion::forget_least`];
@@ -58,7 +66,9 @@ impl ForceField for WallRepulsion {
         self.seen.resize(view.x.len(), NEVER);
         let fixed = self.walls.is_static();
         let reach = self.law.cutoff();
-        for i in 0..view.x.len() {
+        let except = &self.except;
+        let touched = view.bodies.iter().filter(|b| !except.contains(&b.kind));
+        for i in touched.flat_map(|b| b.range.clone()) {
             let x = view.x.get(i);
             let seen = &mut self.seen[i];
             // A NaN position that was never seen compares false and is probed.
@@ -80,8 +90,14 @@ impl ForceField for WallRepulsion {
     }
 
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {
-        let distance = |x| self.walls.probe(view.domain.wrap(x), view.time).distance;
-        Some(view.x.iter().map(|x| self.law.energy(distance(x))).sum())
+        let distance = |i| self.walls.probe(view.domain.wrap(view.x.get(i)), view.time).distance;
+        let touched = view.bodies.iter().filter(|b| !self.except.contains(&b.kind));
+        Some(
+            touched
+                .flat_map(|b| b.range.clone())
+                .map(|i| self.law.energy(distance(i)))
+                .sum(),
+        )
     }
 
     fn stiffness(&self, _view: &View<'_>) -> Option<f64> {
@@ -93,13 +109,13 @@ impl ForceField for WallRepulsion {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-    use lbm_ibm_coupling::{Domain, Plane, Soa3};
+    use lbm_ibm_coupling::{BodyInfo, Domain, Motion, Plane, Soa3};
 
-    fn view<'a>(x: &'a Soa3, domain: &'a Domain) -> View<'a> {
+    fn view<'a>(x: &'a Soa3, domain: &'a Domain, bodies: &'a [BodyInfo]) -> View<'a> {
         View {
             x: x.view(),
             v: x.view(),
-            bodies: &[],
+            bodies,
             domain,
             time: 0.0,
             time_step: 1e-7,
@@ -112,12 +128,22 @@ mod tests {
         let domain = Domain::unbounded();
         let floor = Arc::new(Plane::new(Vec3::zeros(), Vec3::y()).with_part(2));
         let law = SoftSphere::paper_wall();
-        let mut field = WallRepulsion::new(floor, law);
+        let mut field = WallRepulsion::new(floor, law).except("bead");
+        let body = |kind: &str, range| BodyInfo {
+            id: 0,
+            kind: kind.into(),
+            range,
+            triangles: [].into(),
+            motion: Motion::Advected,
+        };
+        let bodies = [body("cell", 0..1), body("bead", 1..2)];
         for height in [0.06e-6, 5e-6, 4e-6, 0.06e-6] {
             let mut x = Soa3::default();
             x.push(Vec3::new(1e-6, height, 0.0));
-            let mut loads = Loads::new(1, 0);
-            field.add_loads(&view(&x, &domain), &mut loads);
+            x.push(Vec3::new(1e-6, 0.05e-6, 0.0));
+            let mut loads = Loads::new(2, 2);
+            field.add_loads(&view(&x, &domain, &bodies), &mut loads);
+            assert_eq!(loads.node.y[1], 0.0);
             let expected = law.force(height);
             assert_relative_eq!(loads.node.y[0], expected, max_relative = 1e-12);
             if expected > 0.0 {
