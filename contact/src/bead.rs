@@ -10,6 +10,7 @@ use std::sync::Arc;
 /// A body is a bead if its kind has been named; its centre is the mean of its nodes.
 pub struct BeadRepulsion {
     law: SoftSphere,
+    node_law: SoftSphere,
     walls: Option<Arc<dyn Boundary>>,
     kinds: Vec<(String, f64)>,
     beads: Vec<Bead>,
@@ -38,6 +39,7 @@ impl BeadRepulsion {
     pub fn new(law: SoftSphere) -> Self {
         Self {
             law,
+            node_law: law,
             walls: None,
             kinds: Vec::new(),
             beads: Vec::new(),
@@ -46,6 +48,12 @@ impl BeadRepulsion {
             list: CellList::new(),
             least: f64::INFINITY,
         }
+    }
+
+    /// Another law between beads and the nodes of other bodies: those of a cell bear less than a bead.
+    pub fn with_node_law(mut self, law: SoftSphere) -> Self {
+        self.node_law = law;
+        self
     }
 
     /// Bodies of this kind are beads of `radius`, m.
@@ -74,6 +82,13 @@ impl BeadRepulsion {
         self.least
     }
 
+    fn law(&self, what: &Touch) -> &SoftSphere {
+        match what {
+            Touch::Node(_) => &self.node_law,
+            Touch::Bead(_) | Touch::Wall(_) => &self.law,
+        }
+    }
+
     fn find(&mut self, view: &View<'_>) {
         self.beads.clear();
         self.points.resize(0);
@@ -100,6 +115,7 @@ impl BeadRepulsion {
     /// Calls `touch(bead, what, direction to the bead, gap)` for every contact within reach, bead pairs once.
     fn for_each_contact(&self, view: &View<'_>, mut touch: impl FnMut(usize, Touch, Vec3, f64)) {
         let (reach, beads) = (self.law.cutoff(), self.beads.len());
+        let node_reach = self.node_law.cutoff();
         self.list.for_each_pair(|i, j| {
             let (i, j) = (i.min(j), i.max(j));
             if i >= beads {
@@ -109,7 +125,7 @@ impl BeadRepulsion {
             let other = if j < beads { self.beads[j].radius } else { 0.0 };
             let r = d.norm();
             let gap = r - self.beads[i].radius - other;
-            if gap < reach && r > 0.0 {
+            if gap < (if j < beads { reach } else { node_reach }) && r > 0.0 {
                 let what = if j < beads {
                     Touch::Bead(j)
                 } else {
@@ -139,7 +155,7 @@ impl ForceField for BeadRepulsion {
         let mut least = f64::INFINITY;
         self.for_each_contact(view, |i, what, direction, gap| {
             least = least.min(gap);
-            let force = direction * self.law.force(gap);
+            let force = direction * self.law(&what).force(gap);
             loads.body[self.beads[i].body].force += force;
             match what {
                 Touch::Bead(j) => loads.body[self.beads[j].body].force -= force,
@@ -153,12 +169,21 @@ impl ForceField for BeadRepulsion {
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {
         self.find(view);
         let mut sum = 0.0;
-        self.for_each_contact(view, |_, _, _, gap| sum += self.law.energy(gap));
+        self.for_each_contact(view, |_, what, _, gap| sum += self.law(&what).energy(gap));
         Some(sum)
     }
 
     fn stiffness(&self, _view: &View<'_>) -> Option<f64> {
-        Some(self.law.stiffness())
+        Some(self.law.stiffness().max(self.node_law.stiffness()))
+    }
+
+    fn stiffness_on(&self, view: &View<'_>, body: usize) -> Option<f64> {
+        let is_bead = self.kinds.iter().any(|(kind, _)| *kind == view.bodies[body].kind);
+        Some(if is_bead {
+            self.law.stiffness()
+        } else {
+            self.node_law.stiffness()
+        })
     }
 }
 

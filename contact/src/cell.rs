@@ -1,7 +1,7 @@
 //! Nodes of different cells against each other.
 
 use crate::SoftSphere;
-use lbm_ibm_coupling::{CellList, ForceField, Loads, Vec3, View};
+use lbm_ibm_coupling::{BodyInfo, CellList, ForceField, Loads, Vec3, View};
 
 /// Soft-sphere repulsion between nodes of different bodies, over the nearest periodic image.
 pub struct CellRepulsion {
@@ -90,13 +90,19 @@ impl ForceField for CellRepulsion {
     fn stiffness(&self, view: &View<'_>) -> Option<f64> {
         (view.bodies.len() > 1).then(|| self.law.stiffness())
     }
+
+    fn stiffness_on(&self, view: &View<'_>, body: usize) -> Option<f64> {
+        let counts = |b: &BodyInfo| !self.except.contains(&b.kind);
+        let others = view.bodies.iter().filter(|b| counts(b)).count() > 1;
+        (others && counts(&view.bodies[body])).then(|| self.law.stiffness())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
-    use lbm_ibm_coupling::{BodyInfo, Domain, Motion, Soa3};
+    use lbm_ibm_coupling::{Domain, Motion, Soa3};
 
     fn body(id: u32, range: std::ops::Range<usize>) -> BodyInfo {
         BodyInfo {

@@ -103,6 +103,11 @@ impl ForceField for WallRepulsion {
     fn stiffness(&self, _view: &View<'_>) -> Option<f64> {
         Some(self.law.stiffness())
     }
+
+    fn stiffness_on(&self, view: &View<'_>, body: usize) -> Option<f64> {
+        let touched = !self.except.contains(&view.bodies[body].kind);
+        touched.then(|| self.law.stiffness())
+    }
 }
 
 #[cfg(test)]

@@ -143,6 +143,11 @@ pub trait ForceField: Any + Send {
     fn stiffness(&self, _view: &View<'_>) -> Option<f64> {
         None
     }
+
+    /// The same on body number `body` of [`View::bodies`] alone; by default that of [`ForceField::stiffness`].
+    fn stiffness_on(&self, view: &View<'_>, _body: usize) -> Option<f64> {
+        self.stiffness(view)
+    }
 }
 
 #[cfg(test)]

@@ -25,10 +25,10 @@ impl Scene {
             self.accept(limit, || format!("the elasticity of body {} ({})", info.id, info.kind))?;
         }
         for field in &self.fields {
-            let Some(stiffness) = field.stiffness(&view_of(self)) else {
-                continue;
-            };
-            for info in &self.infos {
+            for (body, info) in self.infos.iter().enumerate() {
+                let Some(stiffness) = field.stiffness_on(&view_of(self), body) else {
+                    continue;
+                };
                 let limit = self.node_step_limit(info.motion, stiffness);
                 self.accept(limit, || {
                     format!("{} on body {} ({})", field.name(), info.id, info.kind)
