@@ -2,7 +2,7 @@
 
 use crate::bead::Bead;
 use lbm_ibm_coupling::nalgebra::{Matrix3, SymmetricEigen};
-use lbm_ibm_coupling::{CellList, Domain, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{CellList, Domain, Soa3Ref, Sphere, Vec3};
 
 /// Beads that hang together.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,6 +95,12 @@ impl Chain {
         cross.atan2(self.axis.dot(&direction).abs())
     }
 
+    /// The beads as spheres, in order along the axis: a frozen chain for the crate of contact to make a wall of.
+    pub fn spheres(&self, beads: &[Bead], x: Soa3Ref<'_>) -> Vec<Sphere> {
+        let sphere = |i: &usize| Sphere::new(x.get(*i), beads[*i].radius());
+        self.beads.iter().map(sphere).collect()
+    }
+
     /// Tension (N) in each contact along the chain under `force` (N, one per bead of the scene): half the difference of the
     /// pulls on both sides along the axis. Positive holds the chain together.
     pub fn tension(&self, force: Soa3Ref<'_>) -> Vec<f64> {
@@ -109,6 +115,16 @@ impl Chain {
             })
             .collect()
     }
+}
+
+/// How many chains have 1, 2, 3, ... beads.
+pub fn chain_histogram(chains: &[Chain]) -> Vec<usize> {
+    let longest = chains.iter().map(|c| c.beads.len()).max().unwrap_or(0);
+    let mut count = vec![0; longest];
+    for chain in chains {
+        count[chain.beads.len() - 1] += 1;
+    }
+    count
 }
 
 /// Gap (m) between the surfaces of each chain and its nearest neighbour, for neighbours within `reach` (m); infinite else.
@@ -153,6 +169,9 @@ mod tests {
         assert_eq!(chains[2].beads, [6]);
         assert_relative_eq!(chains[0].length, 6.02, max_relative = 1e-12);
         assert_relative_eq!(chains[1].tilt(Vec3::z() * -3.0), 0.6f64.asin(), max_relative = 1e-10);
+        assert_eq!(chain_histogram(&chains), [1, 0, 2]);
+        let spheres = chains[1].spheres(&beads, x.view());
+        assert_relative_eq!(spheres[2].centre, Vec3::y() * 5.0 + lean * 4.02, epsilon = 1e-12);
         let gaps = chain_gaps(&chains, &beads, x.view(), 10.0);
         assert_relative_eq!(gaps[0], 3.0, max_relative = 1e-12);
         assert_eq!(gaps[2], f64::INFINITY);

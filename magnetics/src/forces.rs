@@ -44,6 +44,11 @@ impl BeadForces {
         self
     }
 
+    /// Another source from now on: magnets moved, or switched off.
+    pub fn set_source(&mut self, source: impl FieldSource + 'static) {
+        self.source = Arc::new(source);
+    }
+
     /// Moments, forces and error of the last step, one entry per bead in the order of the scene's bodies.
     pub fn solution(&self) -> &Solution {
         &self.solution

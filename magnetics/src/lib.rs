@@ -33,6 +33,7 @@ mod bead;
 mod chains;
 mod dynamics;
 mod error;
+mod estimates;
 mod forces;
 mod kernel;
 mod model;
@@ -42,11 +43,12 @@ mod two_sphere;
 pub use bead::{
     Apparent, Bead, Intrinsic, Magnetisation, Preset, Response, Saturation, SaturationShape, Sourced, Table,
 };
-pub use chains::{Chain, chain_gaps, find_chains};
+pub use chains::{Chain, chain_gaps, chain_histogram, find_chains};
 pub use dynamics::{
     Overdamped, PairMobility, Regime, Repulsion, parallel_drag, perpendicular_drag, squeeze_mobility, wall_mobility,
 };
 pub use error::MagneticsError;
+pub use estimates::{contact_force, contact_time, mason_number};
 pub use forces::BeadForces;
 pub use model::{
     ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
