@@ -96,6 +96,67 @@ pub enum MagneticsError {
         /// What to do.
         remedy: &'static str,
     },
+    /// A bead stands in a wall.
+    #[error("bead {bead} is {depth:.3e} m deep in wall part {part}; move it out of the wall")]
+    WallOverlap {
+        /// Which bead.
+        bead: usize,
+        /// Part of the walls.
+        part: u32,
+        /// Depth, m.
+        depth: f64,
+    },
+    /// The forces of contacts have not been found.
+    #[error(
+        "{contacts} contacts still move beads by {residual:.2e} m a sweep after {sweeps} sweeps, asked for {allowed:.2e} m; allow more sweeps, or less friction"
+    )]
+    Contact {
+        /// Contacts looked at.
+        contacts: usize,
+        /// Sweeps made.
+        sweeps: usize,
+        /// Greatest displacement of the last sweep, m.
+        residual: f64,
+        /// Displacement asked for, m.
+        allowed: f64,
+    },
+    /// The mobility of all beads together is not positive.
+    #[error("the mobility of the beads with hydrodynamic interaction is not positive; keep beads from overlapping")]
+    Mobility,
+    /// A step of fixed length moves a bead too far.
+    #[error("bead {bead} moves {moved:.3e} m in a step of {step:.3e} s, {limit:.3e} m is allowed; use a shorter step")]
+    LongStep {
+        /// Which bead.
+        bead: usize,
+        /// Length of the step, s.
+        step: f64,
+        /// How far it moves, m.
+        moved: f64,
+        /// How far it may, m.
+        limit: f64,
+    },
+    /// Velocities that do not fit the lattice.
+    #[error("the lattice has {nodes} nodes but {samples} velocities were given")]
+    Samples {
+        /// Nodes of the lattice.
+        nodes: usize,
+        /// Velocities given.
+        samples: usize,
+    },
+    /// Beads have come to no rest.
+    #[error(
+        "beads are not at rest after {steps} steps: {residual:.2e} of the greatest force is left, asked for {tolerance:.2e}; {remedy}"
+    )]
+    NoRest {
+        /// Steps made.
+        steps: usize,
+        /// Greatest force left, over the greatest force of the field.
+        residual: f64,
+        /// What was asked for.
+        tolerance: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
 }
 
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, MagneticsError> {

@@ -9,8 +9,10 @@
 //!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
 //!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
 //!   reference for tests.
-//! - **Motion** ([`Overdamped`]): drag on v - u(x), near walls and near other beads. [`BeadForces`] puts the forces into a
-//!   scene. [`find_chains`] and [`chain_gaps`] say what has formed.
+//! - **Motion** of a [`BeadSystem`]: [`Overdamped`], [`Brownian`] with thermal noise, [`Newton`] for heavy beads, and
+//!   [`QuasiStatic`] for where they come to rest. Drag is on v - u in any [`Flow`], near walls ([`WallDrag`]) and near other
+//!   beads ([`PairMobility`]); contact is a [`Constraint`] with Coulomb friction or a [`Repulsion`]. [`BeadForces`] puts
+//!   the forces into a scene. [`find_chains`] and [`chain_gaps`] say what has formed.
 //!
 //! ```
 //! use lbm_ibm_coupling::{Soa3, UM, Vec3};
@@ -45,7 +47,9 @@ pub use bead::{
 };
 pub use chains::{Chain, chain_gaps, chain_histogram, find_chains};
 pub use dynamics::{
-    Overdamped, PairMobility, Regime, Repulsion, parallel_drag, perpendicular_drag, squeeze_mobility, wall_mobility,
+    BOLTZMANN, BeadContact, BeadSystem, Brownian, Constraint, ContactLaw, Exceeded, Flow, Newton, Overdamped,
+    PairMobility, Partner, QuasiStatic, Regime, Repulsion, Rest, SampledFlow, WallDrag, bevan_prieve_drag, faxen_drag,
+    near_wall_drag, parallel_drag, perpendicular_drag, squeeze_mobility, wall_mobility,
 };
 pub use error::MagneticsError;
 pub use estimates::{contact_force, contact_time, mason_number};

@@ -18,6 +18,9 @@ fn wall_drag_has_the_reference_values() {
     for row in table.rows() {
         let gap = row.number("gap_over_a");
         assert!((perpendicular_drag(gap) / row.number("perp_brenner") - 1.0).abs() < 1e-8);
+        assert!((bevan_prieve_drag(gap) / row.number("perp_bevan_prieve") - 1.0).abs() < 1e-6);
+        assert!((faxen_drag(gap) / row.number("par_faxen5") - 1.0).abs() < 1e-8);
+        assert!((near_wall_drag(gap) - row.number("par_near")).abs() < 1e-8);
         let parallel = row.number("par_faxen5").max(row.number("par_near"));
         assert!((parallel_drag(gap) / parallel - 1.0).abs() < 1e-8, "{gap}");
     }
@@ -58,6 +61,10 @@ fn time_to(run: &mut Overdamped, x: f64, mu: f64) -> (f64, f64) {
         let at = from.norm() / RADIUS;
         run.advance(f64::INFINITY).unwrap();
         let now = apart(run).norm() / RADIUS;
+        if let Some(contact) = run.contacts().first() {
+            let r = apart(run);
+            return (contact.since / t0(mu), r.x.atan2(r.z));
+        }
         if now <= x {
             let s = (at - x) / (at - now);
             let r = from + (apart(run) - from) * s;
@@ -86,17 +93,22 @@ fn aligned_pairs_meet_after_the_closed_form_time() {
             let reference = at[if ratio == 2.0 { 0 } else { 1 }];
             assert!((r / reference - 1.0).abs() < 1e-3, "{r} {reference}");
         }
-        loop {
-            let (before, gap) = (run.time(), (run.positions().get(1) - run.positions().get(0)).norm() - d);
+        while run.contacts().is_empty() {
             run.advance(f64::INFINITY).unwrap();
-            let now = (run.positions().get(1) - run.positions().get(0)).norm() - d;
-            if now <= 0.0 {
-                let t = before + gap / (gap - now) * (run.time() - before);
-                println!("contact after {t:e} s, {:e}", t / expected - 1.0);
-                assert!((t / expected - 1.0).abs() < 1e-3);
-                break;
-            }
         }
+        let contact = run.contacts()[0];
+        println!(
+            "contact after {:e} s, {:e}",
+            contact.since,
+            contact.since / expected - 1.0
+        );
+        assert!((contact.since / expected - 1.0).abs() < 1e-3);
+        assert!(contact.gap.abs() < 1e-6 * d && run.overlap() < 1e-6 * d);
+        // 3 mu0 m^2/(2 pi d^4).
+        let pull = 1.5 * MU0 * m * m / (PI * d.powi(4));
+        run.run_to(1.1 * expected).unwrap();
+        assert!((run.contacts()[0].normal_force / pull - 1.0).abs() < 1e-6);
+        assert!(run.velocities().get(0).norm() < 1e-6 * pull / (6.0 * PI * VISCOSITY * a));
         assert!(run.regime().reynolds > 0.0);
     }
 }
@@ -206,7 +218,7 @@ fn a_bead_sinks_slower_near_a_wall_and_rests_on_its_repulsion() {
         strength: 100.0 * weight,
         range: 10e-9,
     };
-    let mut run = new().with_repulsion(law).with_flow(|x, _| Vec3::x() * (100.0 * x.z));
+    let mut run = new().with_contact(law).with_flow(|x, _| Vec3::x() * (100.0 * x.z));
     run.run_to(0.5).unwrap();
     let rest = run.positions().get(0);
     assert!((rest.z - RADIUS - 10e-9 * 100f64.ln()).abs() < 1e-9, "{}", rest.z);

@@ -3,20 +3,6 @@
 use lbm_ibm_coupling::Vec3;
 use std::f64::consts::PI;
 
-/// How beads drag each other along.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum PairMobility {
-    /// Not at all.
-    #[default]
-    None,
-    /// The tensor of Rotne and Prager (unequal radii: Zuk et al. 2014), overlapping beads as at contact.
-    RotnePrager,
-    /// Rotne and Prager, and for each pair the exact mobility of two equal spheres that approach each other (Brenner 1961),
-    /// with mean radius for unequal ones: lubrication. Exact for a lone pair; a sum over pairs for more beads.
-    Squeeze,
-}
-
 /// Drag of a sphere towards a plane wall at gap over radius `gap` (Brenner 1961, exact series); below 1e-3 the lubrication
 /// limit 1/gap - ln(gap)/5 + 0.9713.
 pub fn perpendicular_drag(gap: f64) -> f64 {
@@ -30,12 +16,49 @@ pub fn perpendicular_drag(gap: f64) -> f64 {
     })
 }
 
-/// Drag of a sphere along a plane wall at gap over radius `gap`: the greater of Faxen's five terms and the lubrication
-/// limit -8/15 ln(gap) + 0.9588 (Goldman, Cox and Brenner 1967), within 3 %.
-pub fn parallel_drag(gap: f64) -> f64 {
+/// Drag of a sphere towards a plane wall at gap over radius `gap`, the rational fit (6 g2 + 9 g + 2)/(6 g2 + 2 g) of Bevan
+/// and Prieve (2000): within 0.8 % of [`perpendicular_drag`].
+pub fn bevan_prieve_drag(gap: f64) -> f64 {
+    (6.0 * gap * gap + 9.0 * gap + 2.0) / (6.0 * gap * gap + 2.0 * gap)
+}
+
+/// Drag of a sphere along a plane wall at gap over radius `gap`: Faxen's five terms (1923), good from a gap of 0.05 on.
+pub fn faxen_drag(gap: f64) -> f64 {
     let y = 1.0 / (1.0 + gap);
-    let faxen = 1.0 / (1.0 - y * (9.0 / 16.0 - y * y * (1.0 / 8.0 - y * (45.0 / 256.0 + y / 16.0))));
-    faxen.max(0.9588 - 8.0 / 15.0 * gap.ln())
+    1.0 / (1.0 - y * (9.0 / 16.0 - y * y * (1.0 / 8.0 - y * (45.0 / 256.0 + y / 16.0))))
+}
+
+/// Drag of a sphere along a plane wall at gap over radius `gap` in lubrication, -8/15 ln(gap) + 0.9588 (Goldman, Cox and
+/// Brenner 1967), good below a gap of 0.03.
+pub fn near_wall_drag(gap: f64) -> f64 {
+    0.9588 - 8.0 / 15.0 * gap.ln()
+}
+
+/// Drag of a sphere along a plane wall at gap over radius `gap`: the greater of [`faxen_drag`] and [`near_wall_drag`],
+/// within 3 %.
+pub fn parallel_drag(gap: f64) -> f64 {
+    faxen_drag(gap).max(near_wall_drag(gap))
+}
+
+/// Which drag a bead has towards a wall.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum WallDrag {
+    /// [`perpendicular_drag`], exact.
+    #[default]
+    Brenner,
+    /// [`bevan_prieve_drag`], cheaper.
+    BevanPrieve,
+}
+
+impl WallDrag {
+    /// Drag factor towards a plane wall at gap over radius `gap`.
+    pub fn perpendicular(self, gap: f64) -> f64 {
+        match self {
+            Self::Brenner => perpendicular_drag(gap),
+            Self::BevanPrieve => bevan_prieve_drag(gap),
+        }
+    }
 }
 
 /// Relative mobility along the line of two equal spheres at `x` radii between centres, over that of two lone ones: one over
@@ -74,32 +97,6 @@ pub fn wall_mobility(force: Vec3, radius: f64, viscosity: f64, normal: Vec3, gap
     let towards = normal * force.dot(&normal);
     let along = force - towards;
     (towards / perpendicular_drag(gap) + along / parallel_drag(gap)) / (6.0 * PI * viscosity * radius)
-}
-
-impl PairMobility {
-    /// Adds to the velocities `vi` and `vj` (m/s) of two beads what their forces (N) do to each other; `r` (m) from j to i.
-    pub(super) fn add(self, r: Vec3, radius: [f64; 2], viscosity: f64, force: [Vec3; 2]) -> [Vec3; 2] {
-        let contact = radius[0] + radius[1];
-        let distance = r.norm();
-        if self == Self::None || distance == 0.0 {
-            return [Vec3::zeros(); 2];
-        }
-        let n = r / distance;
-        let far = distance.max(contact);
-        let squares = (radius[0].powi(2) + radius[1].powi(2)) / (far * far);
-        let prager =
-            |f: Vec3| (f * (1.0 + squares / 3.0) + n * ((1.0 - squares) * f.dot(&n))) / (8.0 * PI * viscosity * far);
-        let mut v = [prager(force[1]), prager(force[0])];
-        if self == Self::Squeeze {
-            let x = 2.0 * far / contact;
-            let beyond = squeeze_mobility(x) - (1.0 - 1.5 / x + 1.0 / (x * x * x));
-            let mean = 0.5 * contact;
-            let push = 0.5 * (force[0] - force[1]).dot(&n) * beyond / (6.0 * PI * viscosity * mean);
-            v[0] += n * push;
-            v[1] -= n * push;
-        }
-        v
-    }
 }
 
 #[cfg(test)]

@@ -52,7 +52,9 @@ pub(super) struct Interaction<'a> {
 
 impl<'a> Interaction<'a> {
     pub fn new(problem: &Problem<'a>) -> Result<Self, MagneticsError> {
-        let near_distance = 2.0 * problem.largest_radius();
+        // Beyond contact: equal beads that touch are all within, whichever way their distance rounds. At the distance itself a
+        // pair would be counted twice or not at all.
+        let near_distance = 2.001 * problem.largest_radius();
         let mut sources = Sources::default();
         sources.set_positions(problem.positions);
         let mut field = Soa3::default();
