@@ -9,6 +9,9 @@ mod finding;
 mod kernels;
 mod leak;
 mod profile;
+mod rigid;
+mod rigid_crowd;
+mod rigid_reference;
 mod stretch;
 
 pub use finding::{Finding, Findings};
@@ -48,5 +51,16 @@ pub const CASES: &[(&str, Case)] = &[
     ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
     ("no_leak", Case::Alone(leak::no_leak)),
     ("free_cell", Case::Alone(cells::free_cell)),
+    ("rigid_drag", Case::Alone(rigid::rigid_drag)),
+    ("rigid_free", Case::Alone(rigid::rigid_free)),
+    ("rigid_pair", Case::Alone(rigid::rigid_pair)),
+    ("rigid_crowd", Case::Alone(rigid_crowd::rigid_crowd)),
+    ("jeffery_orbit", Case::Rows(rigid_reference::jeffery_orbit)),
+    ("sphere_near_wall", Case::Rows(rigid_reference::sphere_near_wall)),
+    (
+        "sphere_settling_ten_cate",
+        Case::Rows(rigid_reference::sphere_settling_ten_cate),
+    ),
+    ("rigid_sphere_tube", Case::Rows(rigid_reference::rigid_sphere_tube)),
     ("same_bits", Case::Alone(cells::same_bits)),
 ];

@@ -1,6 +1,6 @@
 //! Bodies in the fluid.
 
-use crate::{Soa3Mut, Soa3Ref};
+use crate::{Rigid, Soa3, Soa3Mut, Soa3Ref};
 use std::any::Any;
 
 /// How the nodes of a body move.
@@ -21,8 +21,10 @@ pub enum Motion {
         /// Friction of a node, kg/s.
         friction: f64,
     },
-    /// Held where it is.
+    /// Held where it is; the fluid does not feel it.
     Frozen,
+    /// As one piece with six degrees of freedom, no slip at its surface: [`ImmersedBody::rigid`].
+    Rigid,
 }
 
 /// A body made of nodes and triangles, with its own internal forces.
@@ -43,6 +45,17 @@ pub trait ImmersedBody: Any + Send + Sync {
 
     /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range.
     fn add_internal_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>);
+
+    /// Mass and drive of a body that moves as [`Motion::Rigid`].
+    fn rigid(&self) -> Option<Rigid> {
+        None
+    }
+
+    /// Where a rigid body at rest meets the fluid: points about `spacing` (m) apart on its surface shrunk by the factor
+    /// `scale` about the origin. By default its nodes.
+    fn markers(&self, _spacing: f64, scale: f64) -> Soa3 {
+        self.reference().iter().map(|p| p * scale).collect()
+    }
 
     /// Elastic energy at node positions `x` (m), J, where all of its laws have one.
     fn energy(&self, _x: Soa3Ref<'_>) -> Option<f64> {

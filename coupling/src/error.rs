@@ -60,6 +60,46 @@ pub enum SceneError {
         /// What the body is.
         kind: String,
     },
+    /// The body is not rigid.
+    #[error("body {body} ({kind}) is not rigid: it has neither a pose nor a load of its own")]
+    NotRigid {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+    },
+    /// A velocity that a rigid body is to have is not finite.
+    #[error("the velocity given to body {body} is not finite")]
+    NotFiniteMotion {
+        /// Body number.
+        body: u32,
+    },
+    /// A body says that it is rigid but not what it weighs.
+    #[error("body {body} ({kind}): its motion is rigid, but it gives no mass; implement `ImmersedBody::rigid`")]
+    NoMass {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+    },
+    /// Positions that are not one per node.
+    #[error("body {body} has {nodes} nodes, but {given} positions were given: give one position per node")]
+    WrongLength {
+        /// Body number.
+        body: u32,
+        /// Nodes of the body.
+        nodes: usize,
+        /// Positions given.
+        given: usize,
+    },
+    /// The nodes of a rigid body follow its pose.
+    #[error("body {body} ({kind}) is rigid, its nodes follow its pose: use `Scene::set_pose`")]
+    FollowsPose {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+    },
     /// There is no body of that number.
     #[error("there is no body {body}; the scene has {bodies} bodies")]
     UnknownBody {

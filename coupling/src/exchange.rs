@@ -1,6 +1,6 @@
 //! How nodes and fluid meet.
 
-use crate::{Bricks, Grid, ImmersedBody, Motion, Soa3Mut, Soa3Ref};
+use crate::{Bricks, Grid, ImmersedBody, Motion, RigidState, Soa3Mut, Soa3Ref};
 use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
@@ -58,11 +58,30 @@ pub enum ExchangeError {
         /// Points of the kernel.
         support: usize,
     },
+    /// A rigid body is too small for the grid to know its size.
+    #[error(
+        "body {body}: its radius is {radius_in_cells:.2} cells, it acts larger than it is below {least:.2}; use a finer grid or a narrower kernel"
+    )]
+    TooSmall {
+        /// Body number.
+        body: u32,
+        /// Radius of the sphere of its volume, in grid spacings.
+        radius_in_cells: f64,
+        /// Least radius, in grid spacings.
+        least: f64,
+    },
+    /// The exchange cannot make bodies rigid.
+    #[error("body {body} is rigid, and this exchange has no rigid bodies: use lbm-ibm-ibm's, or another motion")]
+    NoRigid {
+        /// Body number.
+        body: u32,
+    },
 }
 
 /// Interpolates fluid velocity to nodes and spreads node forces to the fluid; implemented by the crate `lbm-ibm-ibm`.
 ///
-/// A scene calls [`Exchange::place`], [`Exchange::interpolate`] and [`Exchange::spread`] once a step in this order.
+/// A scene calls [`Exchange::place`], [`Exchange::spread`] and [`Exchange::interpolate`] once a step in this order. Where it
+/// has rigid bodies, [`Exchange::place_rigid`] comes before and [`Exchange::hold_rigid`] after the spreading.
 pub trait Exchange: Any + Send {
     /// Takes the bodies of the scene, whenever one comes or goes; `reference` are the node positions (m) at which each
     /// body's surface is divided into markers.
@@ -82,6 +101,50 @@ pub trait Exchange: Any + Send {
 
     /// Adds the forces on the nodes (N) to the bricks: the adjoint of [`Exchange::interpolate`].
     fn spread(&mut self, force: Soa3Ref<'_>, bricks: &mut Bricks);
+
+    /// Takes the rigid bodies of the scene, by number, whenever a body comes or goes. Their nodes are in
+    /// [`Exchange::set_bodies`] too, but meet the fluid only through these methods.
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoRigid`] where there are any, by default; [`ExchangeError::TooSmall`].
+    fn set_rigid(&mut self, bodies: &[(u32, &dyn ImmersedBody)], _grid: &Grid) -> Result<(), ExchangeError> {
+        match bodies.first() {
+            Some(&(body, _)) => Err(ExchangeError::NoRigid { body }),
+            None => Ok(()),
+        }
+    }
+
+    /// Wants the bricks that rigid bodies touch; the next [`Exchange::place`] takes them into use.
+    ///
+    /// # Errors
+    /// [`ExchangeError::OutsideGrid`].
+    fn place_rigid(&mut self, _bodies: &[RigidState], _bricks: &mut Bricks) -> Result<(), ExchangeError> {
+        Ok(())
+    }
+
+    /// Adds to the bricks the forces at which the fluid moves with the surfaces of the rigid bodies, each of them moving
+    /// as it is driven or by its [`crate::RigidLaw`]; sets velocities and loads of the bodies. The bricks hold the forces
+    /// of all other bodies and the velocity with half a step of these; `density` is the fluid's (kg/m3), `time_step` s.
+    ///
+    /// # Errors
+    /// [`ExchangeError::NoRigid`].
+    fn hold_rigid(
+        &mut self,
+        bodies: &mut [RigidState],
+        _density: f64,
+        _time_step: f64,
+        _bricks: &mut Bricks,
+    ) -> Result<(), ExchangeError> {
+        match bodies.first() {
+            Some(body) => Err(ExchangeError::NoRigid { body: body.id }),
+            None => Ok(()),
+        }
+    }
+
+    /// Mass of the fluid (kg) that follows a rigid body within a step, for a fluid of `density` (kg/m3).
+    fn rigid_layer(&self, _body: u32, _density: f64) -> f64 {
+        0.0
+    }
 
     /// Longest time step (s) at which the explicit motion of `body` (nodes at `x`, m) in a fluid of dynamic `viscosity`
     /// (Pa s) and `density` (kg/m3) is stable, where the exchange can tell.

@@ -91,8 +91,8 @@ pub trait Lattice: Any + Send {
     /// [`FluidError::NarrowGap`], [`FluidError::NoFluid`].
     fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError>;
 
-    /// Fills the velocity of the bricks in use, zero in walls. The bricks hold the forces of the last step, half a step
-    /// of which belongs to the velocity.
+    /// Fills the velocity of the bricks in use, zero in walls. The bricks hold the forces of the last step, or where there
+    /// are rigid bodies those of the coming one; half a step of them belongs to the velocity.
     fn read_velocity(&mut self, bricks: &mut Bricks);
 
     /// One time step under the forces in the bricks.

@@ -2,16 +2,17 @@
 
 mod limits;
 mod motion;
+mod report;
+mod rigid;
 mod step;
 
-use crate::guard::{Guard, RestShape, Scope, outside_walls};
+use crate::guard::{Guard, RestShape, outside_walls};
 use crate::{
-    BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Lattice, Loads, Motion, SceneError, Soa3,
-    Soa3Ref, Vec3, View, WallReport,
+    BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Lattice, Loads, Motion, RigidState,
+    SceneError, Soa3, Soa3Ref, Vec3, View, WallReport,
 };
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Isometry3;
 use std::any::Any;
-use std::fmt;
 use std::sync::Arc;
 
 /// Everything that takes part in a run, and its state. Positions in m, velocities in m/s, forces in N.
@@ -22,6 +23,8 @@ pub struct Scene {
     wall_report: Option<WallReport>,
     bodies: Vec<Slot>,
     infos: Vec<BodyInfo>,
+    rigid: Vec<RigidState>,
+    had_rigid: bool,
     fields: Vec<Box<dyn ForceField>>,
     x: Soa3,
     v: Soa3,
@@ -83,6 +86,8 @@ impl Scene {
             wall_report: None,
             bodies: Vec::new(),
             infos: Vec::new(),
+            rigid: Vec::new(),
+            had_rigid: false,
             fields: Vec::new(),
             x: Soa3::default(),
             v: Soa3::default(),
@@ -124,13 +129,10 @@ impl Scene {
     /// Puts a body into the scene under `pose` (m); returns its number.
     ///
     /// # Errors
-    /// [`SceneError::BodyInWall`], [`SceneError::NeedsFluid`], [`SceneError::Exchange`]; the scene is unchanged then.
+    /// [`SceneError::BodyInWall`], [`SceneError::NeedsFluid`], [`SceneError::NoMass`], [`SceneError::Exchange`]; the scene
+    /// is unchanged then.
     pub fn add_body(&mut self, body: impl ImmersedBody, pose: &Isometry3<f64>) -> Result<u32, SceneError> {
-        let placed: Soa3 = body
-            .reference()
-            .iter()
-            .map(|p| (pose * Point3::from(p)).coords)
-            .collect();
+        let placed = rigid::placed(body.reference(), pose);
         let start = self.x.len();
         let info = BodyInfo {
             id: self.next_id,
@@ -139,7 +141,7 @@ impl Scene {
             triangles: body.triangles().into(),
             motion: body.motion(),
         };
-        if self.fluid.is_none() && matches!(info.motion, Motion::Advected | Motion::Newton { .. }) {
+        if self.fluid.is_none() && matches!(info.motion, Motion::Advected | Motion::Newton { .. } | Motion::Rigid) {
             return Err(SceneError::NeedsFluid {
                 body: info.id,
                 kind: info.kind,
@@ -148,10 +150,21 @@ impl Scene {
         if let Some(walls) = &self.walls {
             outside_walls(&info, placed.view(), walls.as_ref(), &self.domain, self.time, 0.0)?;
         }
+        let rigid = match (info.motion, body.rigid()) {
+            (Motion::Rigid, None) => {
+                return Err(SceneError::NoMass {
+                    body: info.id,
+                    kind: info.kind,
+                });
+            }
+            (Motion::Rigid, Some(rigid)) => Some(RigidState::new(info.id, self.infos.len(), rigid, *pose)),
+            _ => None,
+        };
         let rest = RestShape::of(body.reference(), body.triangles());
         for p in placed.iter() {
             self.x.push(p);
         }
+        self.rigid.extend(rigid);
         self.infos.push(info);
         self.bodies.push(Slot {
             body: Box::new(body),
@@ -161,6 +174,7 @@ impl Scene {
         if let Err(error) = self.tell_exchange() {
             self.infos.pop();
             self.bodies.pop();
+            self.rigid.retain(|r| r.id != self.next_id);
             self.x.resize(start);
             self.resize();
             self.tell_exchange()?;
@@ -184,6 +198,8 @@ impl Scene {
         }
         self.infos.remove(at);
         self.bodies.remove(at);
+        self.rigid.retain(|r| r.id != id);
+        self.number_rigid();
         for info in &mut self.infos[at..] {
             info.range = info.range.start - range.len()..info.range.end - range.len();
         }
@@ -217,9 +233,10 @@ impl Scene {
                 reference.set(i, p);
             }
         }
-        Ok(fluid
+        fluid
             .exchange
-            .set_bodies(&self.infos, reference.view(), fluid.lattice.grid())?)
+            .set_bodies(&self.infos, reference.view(), fluid.lattice.grid())?;
+        self.tell_rigid()
     }
 
     fn index(&self, id: u32) -> Result<usize, SceneError> {
@@ -311,13 +328,23 @@ impl Scene {
     /// Puts the nodes of one body elsewhere: a deformed start, or a restart.
     ///
     /// # Errors
-    /// [`SceneError::UnknownBody`].
-    ///
-    /// # Panics
-    /// If the number of positions is not the number of nodes of the body.
+    /// [`SceneError::UnknownBody`], [`SceneError::WrongLength`]; [`SceneError::FollowsPose`] for a rigid body.
     pub fn set_body_positions(&mut self, id: u32, x: Soa3Ref<'_>) -> Result<(), SceneError> {
-        let range = self.infos[self.index(id)?].range.clone();
-        assert_eq!(x.len(), range.len(), "one position per node");
+        let info = &self.infos[self.index(id)?];
+        let range = info.range.clone();
+        if x.len() != range.len() {
+            return Err(SceneError::WrongLength {
+                body: id,
+                nodes: range.len(),
+                given: x.len(),
+            });
+        }
+        if info.motion == Motion::Rigid {
+            return Err(SceneError::FollowsPose {
+                body: id,
+                kind: info.kind.clone(),
+            });
+        }
         for (i, p) in range.zip(x.iter()) {
             self.x.set(i, p);
         }
@@ -350,69 +377,6 @@ impl Scene {
         };
         let distance = |p: Vec3| walls.probe(self.domain.wrap(p), self.time).distance;
         Ok(x.iter().map(distance).fold(f64::INFINITY, f64::min))
-    }
-
-    /// Looks at everything, as the guard does every so many steps.
-    ///
-    /// # Errors
-    /// The first offending thing.
-    pub fn check(&self) -> Result<(), SceneError> {
-        if let Some(fluid) = &self.fluid {
-            fluid.lattice.check()?;
-        }
-        for (i, info) in self.infos.iter().enumerate() {
-            let scope = Scope {
-                x: self.nodes(i),
-                v: self.v.slice(info.range.clone()),
-                spacing: self.fluid.as_ref().map(|f| f.lattice.grid().spacing),
-                time_step: self.time_step,
-                time: self.time,
-                step: self.step,
-                walls: self.walls.as_deref(),
-                domain: &self.domain,
-            };
-            self.guard.look(info, &self.bodies[i].rest, &scope)?;
-        }
-        Ok(())
-    }
-}
-
-impl fmt::Display for Scene {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "Scene at {:.4e} s (step {}, dt {:.4e} s)",
-            self.time, self.step, self.time_step
-        )?;
-        match &self.fluid {
-            Some(fluid) => {
-                let grid = fluid.lattice.grid();
-                let [nx, ny, nz] = grid.shape;
-                writeln!(f, "  fluid   {nx} x {ny} x {nz} nodes, dx {:.3e} m", grid.spacing)?;
-            }
-            None => writeln!(f, "  fluid   none")?,
-        }
-        if let Some(walls) = &self.wall_report {
-            writeln!(
-                f,
-                "  walls   {} solid nodes, {} links",
-                walls.solid_nodes, walls.wall_links
-            )?;
-        }
-        for b in &self.infos {
-            writeln!(
-                f,
-                "  body {}  {}, {} nodes, {:?}",
-                b.id,
-                b.kind,
-                b.range.len(),
-                b.motion
-            )?;
-        }
-        for field in &self.fields {
-            writeln!(f, "  force   {}", field.name())?;
-        }
-        Ok(())
     }
 }
 

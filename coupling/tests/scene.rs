@@ -200,3 +200,30 @@ fn a_frozen_body_stays() {
     Run::new().until_step(10).run(&mut scene).expect("nothing moves");
     assert_relative_eq!(scene.body_positions(id).expect("the body").mean(), Vec3::repeat(0.25));
 }
+
+#[test]
+fn positions_that_are_not_one_per_node_are_refused() {
+    let (mut scene, id) = scene_with(Tetrahedron::new(1.0));
+    let error = scene
+        .set_body_positions(id, Soa3::zeros(3).view())
+        .expect_err("four nodes");
+    assert!(matches!(
+        error,
+        SceneError::WrongLength {
+            body: 0,
+            nodes: 4,
+            given: 3
+        }
+    ));
+    let error = scene.pose(id).expect_err("it is not rigid");
+    assert!(matches!(error, SceneError::NotRigid { body: 0, .. }));
+}
+
+#[test]
+fn a_rigid_body_without_a_mass_is_refused() {
+    let mut scene = Scene::without_fluid(0.01).expect("a good time step");
+    let mut body = Tetrahedron::new(1.0);
+    body.motion = Motion::Rigid;
+    let error = scene.add_body(body, &Isometry3::identity()).expect_err("no fluid");
+    assert!(matches!(error, SceneError::NeedsFluid { .. }));
+}

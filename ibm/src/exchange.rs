@@ -1,13 +1,16 @@
 //! [`DeltaExchange`], the exchange by delta kernels.
 
-use crate::kernel::{Cosine, Cubic, Hat, Kernel, Peskin, Quadratic, Roma};
+use crate::forcing::Forcing;
+use crate::kernel::Kernel;
 use crate::placement::Placement;
 use crate::stability::{inertial_step, node_radius, stable_step};
 use crate::subdivision::{Subdivision, edges, longest_edge};
 use crate::surface::{Markers, Surface, parts};
 use crate::table::{Scratch, Table};
 use crate::transfer::{self, Node};
-use lbm_ibm_coupling::{BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Soa3, Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{
+    BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Motion, RigidState, Soa3, Soa3Mut, Soa3Ref,
+};
 use std::ops::Range;
 
 /// Exchange of velocity and force by a [`Kernel`] on markers.
@@ -43,6 +46,7 @@ use std::ops::Range;
 pub struct DeltaExchange {
     kernel: Kernel,
     markers: Markers,
+    inset: bool,
     grid: Option<Grid>,
     nodes: usize,
     surfaces: Vec<Surface>,
@@ -51,6 +55,7 @@ pub struct DeltaExchange {
     tiles: Vec<Node>,
     velocity: Vec<[f64; 3]>,
     scratch: Scratch,
+    rigid: Forcing,
 }
 
 impl DeltaExchange {
@@ -59,6 +64,7 @@ impl DeltaExchange {
         Self {
             kernel,
             markers: Markers::default(),
+            inset: true,
             grid: None,
             nodes: 0,
             surfaces: Vec::new(),
@@ -67,6 +73,7 @@ impl DeltaExchange {
             tiles: Vec::new(),
             velocity: Vec::new(),
             scratch: Scratch::default(),
+            rigid: Forcing::default(),
         }
     }
 
@@ -74,6 +81,24 @@ impl DeltaExchange {
     pub fn with_markers(mut self, markers: Markers) -> Self {
         self.markers = markers;
         self
+    }
+
+    /// Whether the markers of rigid bodies sit inside their surface by [`Kernel::rigid_inset`], so that the body acts
+    /// as large as it is; they do by default.
+    pub fn with_inset(mut self, inset: bool) -> Self {
+        self.inset = inset;
+        self
+    }
+
+    /// How the last step came to terms with rigid bodies: their greatest relative slip (the norm over all markers of the
+    /// velocity that is left against the surface, over that of the fluid without the bodies) and the iterations taken.
+    pub fn rigid_slip(&self) -> (f64, usize) {
+        self.rigid.slip()
+    }
+
+    /// Number of markers of rigid bodies.
+    pub fn rigid_marker_count(&self) -> usize {
+        self.rigid.marker_count()
     }
 
     /// Its kernel.
@@ -183,7 +208,9 @@ impl Exchange for DeltaExchange {
         let old = std::mem::take(&mut self.surfaces);
         for body in bodies {
             let reference: Soa3 = part(reference, &body.range).iter().collect();
-            let edges = edges(&body.triangles);
+            // Rigid bodies meet the fluid at markers of their own.
+            let rigid = body.motion == Motion::Rigid;
+            let edges = if rigid { Vec::new() } else { edges(&body.triangles) };
             let longest = longest_edge(reference.view(), &edges).0;
             let kept = old.iter().find(|s| s.id == body.id).map_or(1, |s| s.division);
             let division = self.markers.division_at_rest(longest, grid.spacing).max(kept);
@@ -196,7 +223,9 @@ impl Exchange for DeltaExchange {
                 division: 1,
                 subdivision: Subdivision::default(),
             };
-            surface.divide(division);
+            if !rigid {
+                surface.divide(division);
+            }
             self.surfaces.push(surface);
         }
         self.grid = Some(grid.clone());
@@ -236,14 +265,8 @@ impl Exchange for DeltaExchange {
         self.tiles.resize(p.tile_nodes, [0.0; 4]);
         self.velocity.resize(p.placed.len(), [0.0; 3]);
         let (tiles, u) = (&mut self.tiles, &mut self.velocity);
-        match self.kernel {
-            Kernel::TwoPoint => transfer::interpolate::<2, Hat>(p, bricks, tiles, u),
-            Kernel::RomaThree => transfer::interpolate::<3, Roma>(p, bricks, tiles, u),
-            Kernel::SplineThree => transfer::interpolate::<3, Quadratic>(p, bricks, tiles, u),
-            Kernel::PeskinFour => transfer::interpolate::<4, Peskin>(p, bricks, tiles, u),
-            Kernel::CosineFour => transfer::interpolate::<4, Cosine>(p, bricks, tiles, u),
-            Kernel::SplineFour => transfer::interpolate::<4, Cubic>(p, bricks, tiles, u),
-        }
+        let field = bricks.velocity().each_ref().map(Vec::as_slice);
+        transfer::interpolate_by(self.kernel, p, field, tiles, u);
         let (rank, u) = (&p.rank, &self.velocity);
         let out = [velocity.x, velocity.y, velocity.z];
         self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
@@ -259,14 +282,32 @@ impl Exchange for DeltaExchange {
         let nodes = table.to_markers(force, &mut self.scratch);
         let f = |m: usize| table.marker_force(m, nodes);
         let tiles = &mut self.tiles;
-        match self.kernel {
-            Kernel::TwoPoint => transfer::spread::<2, Hat>(p, f, tiles, bricks),
-            Kernel::RomaThree => transfer::spread::<3, Roma>(p, f, tiles, bricks),
-            Kernel::SplineThree => transfer::spread::<3, Quadratic>(p, f, tiles, bricks),
-            Kernel::PeskinFour => transfer::spread::<4, Peskin>(p, f, tiles, bricks),
-            Kernel::CosineFour => transfer::spread::<4, Cosine>(p, f, tiles, bricks),
-            Kernel::SplineFour => transfer::spread::<4, Cubic>(p, f, tiles, bricks),
-        }
+        let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
+        transfer::spread_by(self.kernel, p, f, tiles, field);
+    }
+
+    fn set_rigid(&mut self, bodies: &[(u32, &dyn ImmersedBody)], grid: &Grid) -> Result<(), ExchangeError> {
+        self.rigid.set_bodies(bodies, grid, self.kernel, self.inset)
+    }
+
+    fn place_rigid(&mut self, bodies: &[RigidState], bricks: &mut Bricks) -> Result<(), ExchangeError> {
+        let Some(grid) = &self.grid else { return Ok(()) };
+        self.rigid.place(bodies, grid, self.kernel, bricks)
+    }
+
+    fn hold_rigid(
+        &mut self,
+        bodies: &mut [RigidState],
+        density: f64,
+        time_step: f64,
+        bricks: &mut Bricks,
+    ) -> Result<(), ExchangeError> {
+        self.rigid.hold(bodies, density, time_step, self.kernel, bricks);
+        Ok(())
+    }
+
+    fn rigid_layer(&self, body: u32, density: f64) -> f64 {
+        self.rigid.layer(body, density)
     }
 
     /// Three quarters of the lesser of two limits, both by power iteration. The viscous one is `2 / lambda`, `lambda` the
@@ -276,6 +317,9 @@ impl Exchange for DeltaExchange {
     /// within a step: their share of the surface times the thickness of the kernel, `h / sum phi^2`. It binds where a
     /// global volume law is stiffer than the fluid is compressible.
     fn stable_step(&self, body: &mut dyn ImmersedBody, x: Soa3Ref<'_>, viscosity: f64, density: f64) -> Option<f64> {
+        if body.motion() == Motion::Rigid {
+            return None;
+        }
         let spacing = self.grid.as_ref()?.spacing;
         let edges = edges(body.triangles());
         let division = self.markers.division_at_rest(longest_edge(x, &edges).0, spacing);

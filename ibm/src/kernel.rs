@@ -98,6 +98,35 @@ impl Kernel {
             Self::SplineFour => 0.35,
         }
     }
+
+    /// How much larger than its markers a rigid sphere acts, in grid spacings: `s + c / R`, `R` the radius of the markers.
+    /// The first term is [`Kernel::hydrodynamic_shift`]; the second is there because markers of a smooth shell that share a
+    /// force evenly do not move alike, and holding them together costs drag. From spheres of 2.5 to 7 spacings held in a
+    /// periodic box against Hasimoto's drag, markers 1.5 [`Kernel::marker_radius`] apart; `validate rigid_drag` holds it.
+    fn rigid_excess(self) -> [f64; 2] {
+        match self {
+            Self::TwoPoint => [0.300, 0.31],
+            Self::RomaThree => [0.345, 0.53],
+            Self::SplineThree => [0.3175, 0.45],
+            Self::PeskinFour => [0.4486, 0.88],
+            Self::CosineFour => [0.455, 0.86],
+            Self::SplineFour => [0.3615, 0.575],
+        }
+    }
+
+    /// How deep the markers of a rigid sphere of `radius` have to sit so that it acts as large as it is, both in grid
+    /// spacings: `a - R` of the root of `R + s + c/R = a`.
+    pub fn rigid_inset(self, radius: f64) -> f64 {
+        let [s, c] = self.rigid_excess();
+        let reach = radius - s;
+        radius - 0.5 * (reach + (reach * reach - 4.0 * c).max(0.0).sqrt())
+    }
+
+    /// Radius of the smallest rigid sphere that can act as large as it is, in grid spacings.
+    pub fn least_rigid_radius(self) -> f64 {
+        let [s, c] = self.rigid_excess();
+        s + 2.0 * c.sqrt()
+    }
 }
 
 /// Lowest of `support` nodes about `s` and the remainder in `[0, 1)` that [`Delta::weights`] takes.

@@ -13,9 +13,11 @@
 
 mod axis;
 mod exchange;
+mod forcing;
 mod friction;
 mod kernel;
 mod placement;
+mod rigid;
 mod stability;
 pub mod stokes;
 mod subdivision;
@@ -27,4 +29,5 @@ mod transfer;
 pub use exchange::DeltaExchange;
 pub use friction::{calibrated_friction, friction_ratio, friction_slip_fraction};
 pub use kernel::Kernel;
+pub use rigid::{Buoyancy, RigidBody, RigidError};
 pub use surface::Markers;

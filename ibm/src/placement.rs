@@ -86,12 +86,31 @@ impl Placement {
         support: usize,
         bricks: &mut Bricks,
     ) -> Result<(), (usize, Vec3)> {
+        self.locate(table.len(), &|m| table.position(m, x), grid, support, bricks)?;
+        bricks.commit();
+        self.order_by_slot(bricks);
+        Ok(())
+    }
+
+    /// Places `count` markers at `position(m)` (m) and wants their bricks; after the commit comes
+    /// [`Placement::order_by_slot`].
+    ///
+    /// # Errors
+    /// A marker outside the grid, and its position.
+    pub fn locate(
+        &mut self,
+        count: usize,
+        position: &(impl Fn(usize) -> [f64; 3] + Sync),
+        grid: &Grid,
+        support: usize,
+        bricks: &mut Bricks,
+    ) -> Result<(), (usize, Vec3)> {
         let axes = Axis::all(grid);
         let per_spacing = 1.0 / grid.spacing;
         let counts = bricks.counts();
-        self.homes.resize(table.len(), Home::default());
+        self.homes.resize(count, Home::default());
         threads::fill(&mut self.homes, 0, LEAF, &|m| {
-            let p = table.position(m, x);
+            let p = position(m);
             let mut home = Home::default();
             let mut brick = [0; 3];
             for a in 0..3 {
@@ -105,15 +124,13 @@ impl Placement {
             home
         });
         if let Some(m) = self.homes.iter().position(|h| h.brick == OUTSIDE) {
-            return Err((m, Vec3::from(table.position(m, x))));
+            return Err((m, Vec3::from(position(m))));
         }
         self.sort(counts.iter().product());
         self.group(counts, support, &axes);
         for block in &self.blocks {
             bricks.want(bricks.index(block.brick));
         }
-        bricks.commit();
-        self.order_by_slot(bricks);
         Ok(())
     }
 
@@ -199,7 +216,7 @@ impl Placement {
     }
 
     /// Stable counting sort of the blocks by slot.
-    fn order_by_slot(&mut self, bricks: &Bricks) {
+    pub fn order_by_slot(&mut self, bricks: &Bricks) {
         let slots = bricks.len();
         self.slot_start.clear();
         self.slot_start.resize(slots + 2, 0);

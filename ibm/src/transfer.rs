@@ -4,10 +4,10 @@
 //! each group adds to its own tile and each brick then adds up the tiles that reach it, both in a fixed order: no two
 //! tasks write to the same place, and the sums are the same for any number of threads.
 
-use crate::kernel::Delta;
+use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma};
 use crate::placement::{Block, Group, Placed, Placement};
 use crate::threads;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES};
 
 /// Three components and one to fill a vector register.
 pub(crate) type Node = [f64; 4];
@@ -33,12 +33,12 @@ fn corner(p: &Placed, group: &Group) -> usize {
     (z * group.size[1] + y) * group.size[0] + x
 }
 
-fn load_tile(placement: &Placement, g: usize, bricks: &Bricks, tile: &mut [Node]) {
+fn load_tile(placement: &Placement, g: usize, field: [&[f64]; 3], tile: &mut [Node]) {
     tile.fill([0.0; 4]);
     let group = &placement.groups[g];
     let end = placement.groups.get(g + 1).map_or(placement.blocks.len(), |n| n.block);
     for block in &placement.blocks[group.block..end] {
-        let [u, v, w] = [0, 1, 2].map(|a| &bricks.velocity()[a][block.slot * BRICK_NODES..][..BRICK_NODES]);
+        let [u, v, w] = field.map(|a| &a[block.slot * BRICK_NODES..][..BRICK_NODES]);
         for k in 0..block.size[2] {
             for j in 0..block.size[1] {
                 let (from, to) = row(block, group, j, k);
@@ -95,15 +95,15 @@ fn scatter<const S: usize, D: Delta<S>>(p: &Placed, force: Node, group: &Group, 
     }
 }
 
-/// Velocity at all markers, in brick order.
+/// A `field` of all slots at all markers, in brick order.
 pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
     placement: &Placement,
-    bricks: &Bricks,
+    field: [&[f64]; 3],
     tiles: &mut [Node],
     out: &mut [[f64; 3]],
 ) {
     let work = |g: usize, tile: &mut [Node], out: &mut [[f64; 3]]| {
-        load_tile(placement, g, bricks, tile);
+        load_tile(placement, g, field, tile);
         let group = &placement.groups[g];
         for (u, p) in out.iter_mut().zip(placement.markers_of(g)) {
             *u = gather::<S, D>(p, group, tile);
@@ -112,12 +112,12 @@ pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
     each_group(&placement.groups, 0, tiles, out, &work);
 }
 
-/// Adds the forces of all markers (`force(m)`, N) to the bricks.
+/// Adds the forces of all markers (`force(m)`, N) to a `field` of all slots.
 pub(crate) fn spread<const S: usize, D: Delta<S>>(
     placement: &Placement,
     force: impl Fn(usize) -> Node + Sync,
     tiles: &mut [Node],
-    bricks: &mut Bricks,
+    field: [&mut [f64]; 3],
 ) {
     let work = |g: usize, tile: &mut [Node], _: &mut [()]| {
         tile.fill([0.0; 4]);
@@ -135,14 +135,49 @@ pub(crate) fn spread<const S: usize, D: Delta<S>>(
         &work,
     );
     let tiles = &*tiles;
-    let [fx, fy, fz] = bricks.force_mut();
-    threads::rows([fx, fy, fz], BRICK_NODES, 0, SLOTS, &|first, [fx, fy, fz]| {
+    threads::rows(field, BRICK_NODES, 0, SLOTS, &|first, [fx, fy, fz]| {
         for s in 0..fx.len() / BRICK_NODES {
             let range = s * BRICK_NODES..(s + 1) * BRICK_NODES;
             let brick = [&mut fx[range.clone()], &mut fy[range.clone()], &mut fz[range]];
             collect(placement, first + s, tiles, brick);
         }
     });
+}
+
+/// [`interpolate`] by a kernel known at run time.
+pub(crate) fn interpolate_by(
+    kernel: Kernel,
+    p: &Placement,
+    field: [&[f64]; 3],
+    tiles: &mut [Node],
+    out: &mut [[f64; 3]],
+) {
+    match kernel {
+        Kernel::TwoPoint => interpolate::<2, Hat>(p, field, tiles, out),
+        Kernel::RomaThree => interpolate::<3, Roma>(p, field, tiles, out),
+        Kernel::SplineThree => interpolate::<3, Quadratic>(p, field, tiles, out),
+        Kernel::PeskinFour => interpolate::<4, Peskin>(p, field, tiles, out),
+        Kernel::CosineFour => interpolate::<4, Cosine>(p, field, tiles, out),
+        Kernel::SplineFour => interpolate::<4, Cubic>(p, field, tiles, out),
+    }
+}
+
+/// [`spread`] by a kernel known at run time.
+pub(crate) fn spread_by(
+    kernel: Kernel,
+    p: &Placement,
+    force: impl Fn(usize) -> Node + Sync,
+    tiles: &mut [Node],
+    field: [&mut [f64]; 3],
+) {
+    match kernel {
+        Kernel::TwoPoint => spread::<2, Hat>(p, force, tiles, field),
+        Kernel::RomaThree => spread::<3, Roma>(p, force, tiles, field),
+        Kernel::SplineThree => spread::<3, Quadratic>(p, force, tiles, field),
+        Kernel::PeskinFour => spread::<4, Peskin>(p, force, tiles, field),
+        Kernel::CosineFour => spread::<4, Cosine>(p, force, tiles, field),
+        Kernel::SplineFour => spread::<4, Cubic>(p, force, tiles, field),
+    }
 }
 
 /// Adds the tiles that reach a brick to it.

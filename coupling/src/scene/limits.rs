@@ -29,7 +29,10 @@ impl Scene {
                 let Some(stiffness) = field.stiffness_on(&view_of(self), body) else {
                     continue;
                 };
-                let limit = self.node_step_limit(info.motion, stiffness);
+                let limit = match info.motion {
+                    Motion::Rigid => self.rigid_step_limit(info.id, stiffness),
+                    motion => self.node_step_limit(motion, stiffness),
+                };
                 self.accept(limit, || {
                     format!("{} on body {} ({})", field.name(), info.id, info.kind)
                 })?;
@@ -60,7 +63,7 @@ impl Scene {
                 .map(|fluid| 12.0 * PI * fluid.lattice.viscosity() * fluid.lattice.grid().spacing / stiffness),
             Motion::Newton { node_mass, .. } => Some(2.0 * (node_mass / stiffness).sqrt()),
             Motion::Overdamped { friction } => Some(2.0 * friction / stiffness),
-            Motion::Frozen => None,
+            Motion::Frozen | Motion::Rigid => None,
         }
     }
 }

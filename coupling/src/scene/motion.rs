@@ -16,7 +16,7 @@ pub(super) fn force_on_fluid(
             let force = match body.motion {
                 Motion::Advected => loads.node.get(i),
                 Motion::Newton { friction, .. } => (velocity.get(i) - fluid_velocity.get(i)) * friction,
-                Motion::Overdamped { .. } | Motion::Frozen => continue,
+                Motion::Overdamped { .. } | Motion::Frozen | Motion::Rigid => continue,
             };
             on_fluid.set(i, force);
         }
@@ -35,7 +35,7 @@ pub(super) fn advance(bodies: &[BodyInfo], loads: &Loads, fluid_velocity: &Soa3,
                     v.get(i) + (loads.node.get(i) + drag) * (dt / node_mass)
                 }
                 Motion::Overdamped { friction } => loads.node.get(i) / friction,
-                Motion::Frozen => continue,
+                Motion::Frozen | Motion::Rigid => continue,
             };
             v.set(i, velocity);
             x.add(i, velocity * dt);

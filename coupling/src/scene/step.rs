@@ -1,6 +1,6 @@
 //! One time step.
 
-use super::{Scene, Slot, motion};
+use super::{Scene, Slot, motion, rigid};
 use crate::{BodyInfo, SceneError, Soa3Mut, Soa3Ref, View};
 
 impl Scene {
@@ -26,16 +26,22 @@ impl Scene {
             &mut self.on_fluid,
         );
         if let Some(fluid) = &mut self.fluid {
-            // 2. The nodes' forces go to the fluid.
+            // 2. The nodes' forces go to the fluid, then those that make it follow rigid bodies.
             if !self.infos.is_empty() {
+                if !self.rigid.is_empty() {
+                    fluid.exchange.place_rigid(&self.rigid, &mut fluid.bricks)?;
+                }
                 fluid.exchange.place(self.x.view(), &mut fluid.bricks)?;
                 fluid.bricks.clear_force();
                 fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
+                if !self.rigid.is_empty() {
+                    fluid.hold_rigid(&mut self.rigid, &self.x, &self.loads, &self.infos)?;
+                }
             }
             // 3. The fluid moves.
             fluid.lattice.advance(&fluid.bricks)?;
             // 4. The velocity of the fluid goes to the nodes, and they move.
-            if !self.infos.is_empty() {
+            if self.infos.len() > self.rigid.len() {
                 fluid.lattice.read_velocity(&mut fluid.bricks);
                 fluid
                     .exchange
@@ -50,6 +56,7 @@ impl Scene {
             &mut self.x,
             &mut self.v,
         );
+        rigid::advance(self);
         self.step += 1;
         self.time = self.step as f64 * self.time_step;
         if self.step.is_multiple_of(self.guard.every) {
