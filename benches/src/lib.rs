@@ -4,6 +4,7 @@
 
 pub mod reference;
 pub mod scenes;
+pub mod speed;
 pub mod validate;
 
 /// Any error; it may cross threads.

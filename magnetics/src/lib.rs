@@ -9,6 +9,7 @@
 //!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
 //!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
 //!   reference for tests.
+//! - **Many beads** ([`Tree`]): sums directly up to 20 000 beads, above by a tree whose accuracy is asked for and reported.
 //! - **Motion** ([`Overdamped`]): drag on v - u(x), near walls and near other beads. [`BeadForces`] puts the forces into a
 //!   scene. [`find_chains`] and [`chain_gaps`] say what has formed.
 //!
@@ -37,6 +38,7 @@ mod forces;
 mod kernel;
 mod model;
 mod source;
+mod tree;
 mod two_sphere;
 
 pub use bead::{
@@ -50,11 +52,12 @@ pub use error::MagneticsError;
 pub use forces::BeadForces;
 pub use model::{
     ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
-    dipole_forces,
+    dipole_forces, tree_forces,
 };
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,
 };
+pub use tree::{Tree, TreeReport};
 pub use two_sphere::{PairForce, TwoSpheres};
 
 /// The magnetic constant as this crate uses it, 4e-7 pi N/A^2 (the value before 2019; today's differs by 1e-10).
