@@ -5,6 +5,7 @@
 pub mod chart;
 pub mod reference;
 pub mod scenes;
+pub mod speed;
 pub mod validate;
 
 /// Any error; it may cross threads.

@@ -74,6 +74,18 @@ pub enum MagneticsError {
         /// Which bead.
         bead: usize,
     },
+    /// A setting of a tree that it cannot honour.
+    #[error("{what} of the tree is {value}, it must lie in [{low}, {high}]")]
+    Tree {
+        /// Which setting.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// Least value.
+        low: f64,
+        /// Greatest value.
+        high: f64,
+    },
     /// The solver has not reached its tolerance.
     #[error("{model}: residual {residual:.2e} after {iterations} iterations, asked for {tolerance:.2e}")]
     NotConverged {

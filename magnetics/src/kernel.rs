@@ -6,12 +6,15 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx512;
+mod both;
+pub(crate) mod lanes;
 mod overlap;
 mod portable;
 
 pub(crate) use overlap::Overlap;
 
 use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
+use std::ops::Range;
 
 /// Lanes of the widest kernel; arrays are padded to a multiple of it.
 const LANES: usize = 8;
@@ -33,7 +36,7 @@ pub(crate) struct Sum {
 }
 
 impl Sum {
-    fn zero() -> Self {
+    pub fn zero() -> Self {
         Self {
             field: Vec3::zeros(),
             force: Vec3::zeros(),
@@ -57,6 +60,40 @@ impl Sources {
     pub fn set_moments(&mut self, m: Soa3Ref<'_>) {
         pad(&mut self.m, m);
     }
+
+    /// Takes the dipoles of some ranges of `x` and `m`.
+    pub fn collect(&mut self, x: &Soa3, m: &Soa3, ranges: impl Iterator<Item = Range<usize>>) {
+        let (to_x, to_m) = (&mut self.x, &mut self.m);
+        to_x.iter_mut().chain(to_m.iter_mut()).for_each(Vec::clear);
+        for range in ranges {
+            for (to, from) in to_x.iter_mut().zip([&x.x, &x.y, &x.z]) {
+                to.extend_from_slice(&from[range.clone()]);
+            }
+            for (to, from) in to_m.iter_mut().zip([&m.x, &m.y, &m.z]) {
+                to.extend_from_slice(&from[range.clone()]);
+            }
+        }
+        let padded = to_x[0].len().next_multiple_of(LANES);
+        to_x.iter_mut()
+            .chain(to_m.iter_mut())
+            .for_each(|c| c.resize(padded, 0.0));
+    }
+}
+
+/// Calls `f` with each piece of work and some scratch; the pieces are shared between threads.
+pub(crate) fn each<T: Send, S>(
+    work: Vec<T>,
+    scratch: impl Fn() -> S + Sync + Send,
+    f: impl Fn(&mut S, T) + Sync + Send,
+) {
+    #[cfg(feature = "parallel")]
+    if rayon::current_num_threads() > 1 {
+        use rayon::prelude::*;
+        work.into_par_iter().for_each_init(scratch, f);
+        return;
+    }
+    let mut scratch = scratch();
+    work.into_iter().for_each(|w| f(&mut scratch, w));
 }
 
 fn pad(to: &mut [Vec<f64>; 3], from: Soa3Ref<'_>) {
@@ -122,7 +159,39 @@ pub(crate) fn sums(
     }
 }
 
-fn one(sources: &Sources, x: Vec3, m: Vec3, near2: f64, want: Want) -> Sum {
+/// Sum of the forces of `by` on the moments `on` and of `also_by` on `also_on`, in place in `force`; `by` and `also_by` have
+/// the same positions.
+pub(crate) fn two_forces(
+    [by, also_by]: [&Sources; 2],
+    x: Soa3Ref<'_>,
+    [on, also_on]: [Soa3Ref<'_>; 2],
+    near: f64,
+    force: &mut Soa3,
+) {
+    let near2 = near * near;
+    let mut out = vec![Vec3::zeros(); x.len()];
+    each(
+        out.chunks_mut(BLOCK).enumerate().collect(),
+        || (),
+        |_, (block, out)| {
+            for (o, i) in out.iter_mut().zip(block * BLOCK..) {
+                *o = lanes::run(both::Both {
+                    by,
+                    also_by,
+                    x: x.get(i),
+                    on: on.get(i),
+                    also_on: also_on.get(i),
+                    near2,
+                });
+            }
+        },
+    );
+    force.resize(x.len());
+    out.iter().enumerate().for_each(|(i, f)| force.set(i, *f));
+}
+
+/// Sums of all sources at one target.
+pub(crate) fn one(sources: &Sources, x: Vec3, m: Vec3, near2: f64, want: Want) -> Sum {
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx512f") {

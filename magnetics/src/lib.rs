@@ -9,6 +9,7 @@
 //!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
 //!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
 //!   reference for tests.
+//! - **Many beads** ([`Tree`]): sums directly up to 20 000 beads, above by a tree whose accuracy is asked for and reported.
 //! - **Motion** of a [`BeadSystem`]: [`Overdamped`], [`Brownian`] with thermal noise, [`Newton`] for heavy beads, and
 //!   [`QuasiStatic`] for where they come to rest. Drag is on v - u in any [`Flow`], near walls ([`WallDrag`]) and near other
 //!   beads ([`PairMobility`]); contact is a [`Constraint`] with Coulomb friction or a [`Repulsion`]. [`BeadForces`] puts
@@ -40,6 +41,7 @@ mod forces;
 mod kernel;
 mod model;
 mod source;
+mod tree;
 mod two_sphere;
 
 pub use bead::{
@@ -56,11 +58,12 @@ pub use estimates::{contact_force, contact_time, mason_number};
 pub use forces::BeadForces;
 pub use model::{
     ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
-    dipole_forces,
+    dipole_forces, tree_forces,
 };
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,
 };
+pub use tree::{Tree, TreeReport};
 pub use two_sphere::{PairForce, TwoSpheres};
 
 /// The magnetic constant as this crate uses it, 4e-7 pi N/A^2 (the value before 2019; today's differs by 1e-10).

@@ -12,7 +12,7 @@ mod tables;
 
 pub use corrected::PairCorrected;
 pub use dense::dense_moments;
-pub use fixed::{FixedDipoles, dipole_forces};
+pub use fixed::{FixedDipoles, dipole_forces, tree_forces};
 pub use multipole::Multipoles;
 pub use mutual::MutualDipoles;
 

@@ -1,5 +1,6 @@
 //! Where magnetic fields come from.
 
+mod batch;
 mod cuboid;
 mod current_loop;
 mod dipole;

@@ -1,10 +1,13 @@
-//! Speed of the bare fluid and of whole scenes.
+//! Speed of the bare fluid, of whole scenes, and of magnetic sums and fields.
 
 use clap::{Args, Parser, Subcommand};
 use lbm_ibm::coupling::{Bricks, Grid, Lattice, UM, Vec3};
 use lbm_ibm::lbm::{Drive, Fluid, InstructionSet};
 use lbm_ibm_benches::Fault;
 use lbm_ibm_benches::scenes::{crowd, on_threads, plasma};
+use lbm_ibm_benches::speed::dipoles::{Rung, Sums, rungs};
+use lbm_ibm_benches::speed::far_field::{Row, far_field};
+use lbm_ibm_benches::speed::field;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -12,7 +15,7 @@ use std::time::Instant;
 /// Bytes that a node update moves at least: 19 populations, read and written.
 const BYTES: f64 = 2.0 * 19.0 * 8.0;
 
-/// Speed of the bare fluid and of whole scenes.
+/// Speed of the bare fluid, of whole scenes, and of magnetic sums and fields.
 #[derive(Parser)]
 struct Options {
     #[command(subcommand)]
@@ -37,6 +40,40 @@ enum What {
         /// Nodes along each edge of the cube.
         #[arg(long, default_value_t = 64)]
         size: usize,
+        #[command(flatten)]
+        timing: Timing,
+    },
+    /// Every rung of the magnetic ladder: chains of ten beads with gaps of 0.05 radii, mu_r 2. A warm start is the solution
+    /// after every bead has moved by up to 1e-3 radii.
+    Dipoles {
+        /// Beads.
+        #[arg(long, default_value_t = 10_000)]
+        count: usize,
+        /// Sum by a tree of this accuracy.
+        #[arg(long, conflicts_with = "direct")]
+        tree: Option<f64>,
+        /// Sum directly, whatever the number.
+        #[arg(long)]
+        direct: bool,
+        /// The bare sums alone, no model.
+        #[arg(long)]
+        bare: bool,
+        #[command(flatten)]
+        timing: Timing,
+    },
+    /// The field of each source, with and without gradient, at points scattered about it.
+    Field {
+        /// Points.
+        #[arg(long, default_value_t = 1_000_000)]
+        points: usize,
+        #[command(flatten)]
+        timing: Timing,
+    },
+    /// Forces and torques of a cloud, directly and by trees of several accuracies.
+    FarField {
+        /// Numbers of beads.
+        #[arg(long, value_delimiter = ',', default_value = "1000,3000,10000,30000,100000")]
+        counts: Vec<usize>,
         #[command(flatten)]
         timing: Timing,
     },
@@ -104,6 +141,51 @@ fn main() -> Result<(), Fault> {
                 format!(
                     "{} spheres, {} nodes, {} threads: {times}, {:.3} us a node",
                     s.count, s.nodes, s.threads, s.us_per_node
+                )
+            })
+        }
+        What::Dipoles {
+            count,
+            tree,
+            direct,
+            bare,
+            timing,
+        } => {
+            let sums = match tree {
+                Some(accuracy) => Sums::Tree(accuracy),
+                None if direct => Sums::Direct,
+                None => Sums::Automatic,
+            };
+            let rows = on_threads(timing.threads, || {
+                rungs(count, timing.threads, timing.seconds, sums, bare)
+            })?;
+            show(&rows, timing.json.as_deref(), |r: &Rung| {
+                let times = format!("{:10.3} ms, best {:10.3}", r.ms, r.best_ms);
+                let pairs = format!("{:7.3} ns a pair, {} iterations", r.ns_per_pair, r.iterations);
+                format!(
+                    "{:32} {:4} {} beads {} threads {times}, {pairs}, tree's error {:.1e}",
+                    r.rung, r.start, r.count, r.threads, r.tree_error
+                )
+            })
+        }
+        What::Field { points, timing } => {
+            let rows = on_threads(timing.threads, || {
+                field::sources(points, timing.threads, timing.seconds)
+            })?;
+            show(&rows, timing.json.as_deref(), |r: &field::Speed| {
+                let what = if r.gradient { "field and gradient" } else { "field" };
+                format!(
+                    "{:16} {what:18} {} points {} threads {:7.1} ns a point, best {:7.1}",
+                    r.source, r.points, r.threads, r.ns_per_point, r.best_ns_per_point
+                )
+            })
+        }
+        What::FarField { counts, timing } => {
+            let rows = on_threads(timing.threads, || far_field(&counts, timing.seconds))?;
+            show(&rows, timing.json.as_deref(), |r: &Row| {
+                format!(
+                    "{:12} {:8} beads {:9.4} s, rms error {:.1e}",
+                    r.label, r.n, r.seconds, r.rms_error
                 )
             })
         }

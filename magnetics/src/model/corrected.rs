@@ -4,12 +4,13 @@ mod midpoints;
 mod quadrupoles;
 
 use super::mutual::finish;
-use super::near::{Interaction, pairs};
+use super::near::{Interaction, error_of_tree, pairs};
 use super::operator::norm;
 use super::tables::{Tables, force_size};
 use super::{Model, MutualDipoles, Problem, Solution};
 use crate::MU0;
 use crate::error::MagneticsError;
+use crate::tree::{Tree, TreeReport};
 use crate::two_sphere::Fineness;
 use lbm_ibm_coupling::nalgebra::Matrix3;
 use lbm_ibm_coupling::{Soa3, Vec3};
@@ -31,6 +32,7 @@ pub struct PairCorrected {
     tables: Tables,
     reach: f64,
     adjoint: Soa3,
+    report: Option<TreeReport>,
 }
 
 /// A pair with its extra moment.
@@ -60,6 +62,7 @@ impl PairCorrected {
             tables: Tables::new(Fineness::FORCE, 2.0),
             reach: 2.0,
             adjoint: Soa3::default(),
+            report: None,
         }
     }
 
@@ -74,6 +77,24 @@ impl PairCorrected {
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.dipoles = self.dipoles.with_tolerance(tolerance);
         self
+    }
+
+    /// Sums by this tree, for any number of beads. Without it sums are direct up to 20 000 beads, and by
+    /// [`Tree::new`] above.
+    pub fn with_tree(mut self, tree: Tree) -> Self {
+        self.dipoles = self.dipoles.with_tree(tree);
+        self
+    }
+
+    /// Sums directly, for any number of beads.
+    pub fn with_direct_sums(mut self) -> Self {
+        self.dipoles = self.dipoles.with_direct_sums();
+        self
+    }
+
+    /// What a tree did in the last solution; none if the sums were direct.
+    pub fn tree_report(&self) -> Option<TreeReport> {
+        self.report
     }
 
     fn near_pairs(&mut self, problem: &Problem<'_>) -> Result<Vec<Extra>, MagneticsError> {
@@ -158,16 +179,18 @@ impl Model for PairCorrected {
                 bead,
             });
         }
-        let mut dipoles = Interaction::new(problem)?;
+        let mut dipoles = Interaction::summed(problem, &self.dipoles.summation())?;
         out.resize(n);
         out.error = self.dipoles.magnetise(problem, &mut dipoles, &mut out.moment)?;
-        finish(problem, &mut dipoles, out);
+        out.force.fill(0.0);
+        finish(problem, &dipoles, self.dipoles.local_field(), out);
         let mut extras = self.near_pairs(problem)?;
+        let mut force = Soa3::default();
         let mut off = vec![0.0; n];
         if !extras.is_empty() {
-            let mut midpoints = Midpoints::new(problem, &extras);
+            let mut midpoints = Midpoints::new(problem, &extras, self.dipoles.summation());
             let gradient: Vec<Matrix3<f64>> = midpoints.source_gradient();
-            let field = midpoints.field(problem, &extras, &mut dipoles, &out.moment);
+            let field = midpoints.field(problem, &extras, &out.moment);
             off = self.correct(&mut extras, &field, out, problem);
             // The extra moments in the field at the midpoints, shared by both beads; what they do to the dipoles.
             let mut back = Soa3::default();
@@ -190,13 +213,7 @@ impl Model for PairCorrected {
                     out.torque.add(i, remanent.get(i).cross(&(field.get(i) + back.get(i))));
                 }
             }
-            let mut force = Soa3::default();
-            for (on, by) in [(&out.moment, &induced), (&induced, &out.moment)] {
-                dipoles.force(on.view(), by.view(), &mut force);
-                for i in 0..n {
-                    out.force.add(i, force.get(i));
-                }
-            }
+            dipoles.force_with_change(out.moment.view(), induced.view(), &mut force);
             for i in 0..n {
                 out.moment.add(i, induced.get(i));
             }
@@ -205,12 +222,17 @@ impl Model for PairCorrected {
                 out.moment.add(pair.i, pair.moment * pair.share);
                 out.moment.add(pair.j, pair.moment * (1.0 - pair.share));
             }
+        } else {
+            dipoles.force(out.moment.view(), &mut force);
         }
+        force.iter().enumerate().for_each(|(i, f)| out.force.add(i, f));
+        self.report = dipoles.report;
         let far = self.reach + 2.0;
         let tail = |mu: f64| 50.0 * (mu - 1.0).abs() / (2.0 * mu + 3.0) / far.powi(5);
         out.error.force = (0..n)
             .map(|i| off[i] + tail(problem.beads[i].initial_permeability()) * out.force.get(i).norm())
-            .fold(out.error.residual * norm(&out.force), f64::max);
+            .fold(out.error.residual * norm(&out.force), f64::max)
+            + error_of_tree(self.report, &force);
         Ok(())
     }
 }

@@ -1,36 +1,38 @@
 //! Fixed dipoles: every bead has the moment of a lone bead in the source's field.
 
 use super::estimate::{Dipoles, Estimate};
-use super::near::{FACTOR, Interaction};
+use super::near::{FACTOR, Interaction, error_of_tree, scale};
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::error::MagneticsError;
-use crate::kernel::{self, Sources, Want};
+use crate::kernel::Want;
+use crate::tree::{DipoleSums, Summation, Tree, TreeReport};
 use lbm_ibm_coupling::{Soa3, Soa3Ref};
 
 /// Forces (N) of dipoles of given moments `m` (A m2) at `x` (m) on each other, and with `torque` their torques (N m): the
-/// bare sum, without source, energy or estimate. Dipoles at one place are left out.
+/// bare direct sum, without source, energy or estimate. Dipoles at one place are left out.
 pub fn dipole_forces(x: Soa3Ref<'_>, m: Soa3Ref<'_>, torque: bool, out: &mut Solution) {
-    let mut sources = Sources::default();
-    sources.set_positions(x);
-    sources.set_moments(m);
+    bare(x, m, torque, None, out);
+}
+
+/// As [`dipole_forces`], by a tree.
+pub fn tree_forces(x: Soa3Ref<'_>, m: Soa3Ref<'_>, torque: bool, tree: Tree, out: &mut Solution) -> TreeReport {
+    bare(x, m, torque, Some(tree), out).unwrap_or_default()
+}
+
+fn bare(x: Soa3Ref<'_>, m: Soa3Ref<'_>, torque: bool, tree: Option<Tree>, out: &mut Solution) -> Option<TreeReport> {
+    let mut sums = DipoleSums::new(x, None, f64::MIN_POSITIVE.sqrt(), tree);
     let want = if torque { Want::Both } else { Want::Force };
     let mut field = Soa3::default();
-    kernel::sums(
-        &sources,
-        x,
-        m,
-        f64::MIN_POSITIVE.sqrt(),
-        want,
-        &mut field,
-        &mut out.force,
-    );
+    sums.sums(m, m, want, &mut field, &mut out.force);
+    let report = sums.report(&[[m, m]], &out.force);
+    scale(&mut out.force, FACTOR);
     out.torque.resize(x.len());
-    for i in 0..x.len() {
-        out.force.set(i, out.force.get(i) * FACTOR);
-        if torque {
+    if torque {
+        for i in 0..x.len() {
             out.torque.set(i, m.get(i).cross(&field.get(i)) * FACTOR);
         }
     }
+    report
 }
 
 /// Dipoles that do not magnetise each other.
@@ -41,6 +43,8 @@ pub fn dipole_forces(x: Soa3Ref<'_>, m: Soa3Ref<'_>, torque: bool, out: &mut Sol
 pub struct FixedDipoles {
     given: Option<Soa3>,
     estimate: Estimate,
+    summation: Summation,
+    report: Option<TreeReport>,
 }
 
 impl FixedDipoles {
@@ -54,6 +58,24 @@ impl FixedDipoles {
         self.given = Some(moments);
         self
     }
+
+    /// Sums by this tree, for any number of beads. Without it sums are direct up to 20 000 beads, and by
+    /// [`Tree::new`] above.
+    pub fn with_tree(mut self, tree: Tree) -> Self {
+        self.summation = Summation::Tree(tree);
+        self
+    }
+
+    /// Sums directly, for any number of beads.
+    pub fn with_direct_sums(mut self) -> Self {
+        self.summation = Summation::Direct;
+        self
+    }
+
+    /// What a tree did in the last solution; none if the sums were direct.
+    pub fn tree_report(&self) -> Option<TreeReport> {
+        self.report
+    }
 }
 
 impl Model for FixedDipoles {
@@ -63,7 +85,7 @@ impl Model for FixedDipoles {
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
         let n = problem.beads.len();
-        let mut dipoles = Interaction::new(problem)?;
+        let mut dipoles = Interaction::summed(problem, &self.summation)?;
         out.resize(n);
         match &self.given {
             Some(m) if m.len() != n => {
@@ -80,7 +102,9 @@ impl Model for FixedDipoles {
             }
         }
         let mut local = Soa3::default();
-        dipoles.field_and_force(out.moment.view(), out.moment.view(), &mut local, &mut out.force);
+        dipoles.field_and_force(out.moment.view(), &mut local, &mut out.force);
+        self.report = dipoles.report;
+        let missed = error_of_tree(self.report, &out.force);
         dipoles.add_source_force(out.moment.view(), &mut out.force);
         out.energy = 0.0;
         for i in 0..n {
@@ -92,7 +116,7 @@ impl Model for FixedDipoles {
             local.add(i, dipoles.field.get(i));
         }
         out.error = ErrorEstimate {
-            force: self.estimate.force(Dipoles::Fixed, problem, &local, out.force.view())?,
+            force: missed + self.estimate.force(Dipoles::Fixed, problem, &local, out.force.view())?,
             ..ErrorEstimate::default()
         };
         Ok(())

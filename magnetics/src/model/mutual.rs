@@ -1,11 +1,12 @@
 //! Mutual dipoles: every bead is magnetised by the source and by all the others.
 
 use super::estimate::{Dipoles, Estimate};
-use super::near::Interaction;
+use super::near::{Interaction, error_of_tree};
 use super::operator::{Operator, axpy, norm};
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::bead::Response;
 use crate::error::MagneticsError;
+use crate::tree::{Summation, Tree, TreeReport};
 use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 
 /// Self-consistent dipoles: h_i = B(x_i) + sum_j G_ij m_j(h_j), m_i the moment of bead i in the local field h_i.
@@ -20,6 +21,8 @@ pub struct MutualDipoles {
     local: Soa3,
     scaled: Soa3,
     estimate: Estimate,
+    summation: Summation,
+    report: Option<TreeReport>,
 }
 
 impl Default for MutualDipoles {
@@ -38,6 +41,8 @@ impl MutualDipoles {
             local: Soa3::default(),
             scaled: Soa3::default(),
             estimate: Estimate::default(),
+            summation: Summation::default(),
+            report: None,
         }
     }
 
@@ -47,12 +52,34 @@ impl MutualDipoles {
         self
     }
 
+    /// Sums by this tree, for any number of beads. Without it sums are direct up to 20 000 beads, and by
+    /// [`Tree::new`] above.
+    pub fn with_tree(mut self, tree: Tree) -> Self {
+        self.summation = Summation::Tree(tree);
+        self
+    }
+
+    /// Sums directly, for any number of beads.
+    pub fn with_direct_sums(mut self) -> Self {
+        self.summation = Summation::Direct;
+        self
+    }
+
+    /// What a tree did in the last solution; none if the sums were direct.
+    pub fn tree_report(&self) -> Option<TreeReport> {
+        self.report
+    }
+
+    pub(super) fn summation(&self) -> Summation {
+        self.summation
+    }
+
     /// Local field at each bead in the last solution, T.
     pub fn local_field(&self) -> Soa3Ref<'_> {
         self.local.view()
     }
 
-    /// Solves for the moments.
+    /// Solves for the moments and the local fields.
     pub(super) fn magnetise(
         &mut self,
         problem: &Problem<'_>,
@@ -90,9 +117,17 @@ impl MutualDipoles {
         }
         let operator = Operator::new(&response);
         let scale = norm(&b).max(f64::MIN_POSITIVE);
-        let (iterations, residual) = operator.solve(dipoles, &b, self.tolerance * scale, &mut self.scaled);
+        let solved = operator.solve(dipoles, &b, self.tolerance * scale, &mut self.scaled);
         *moment = axpy(&operator.moments(&self.scaled), 1.0, &remanent);
-        (iterations, residual / scale)
+        self.local = match operator.local_field(&self.scaled, &solved) {
+            Some(local) => local,
+            None => {
+                let mut induced = Soa3::default();
+                dipoles.induced_field(moment.view(), &mut induced);
+                axpy(&dipoles.field, 1.0, &induced)
+            }
+        };
+        (solved.iterations, solved.off / scale)
     }
 
     fn newton(&mut self, problem: &Problem<'_>, dipoles: &mut Interaction<'_>, moment: &mut Soa3) -> (usize, f64) {
@@ -107,13 +142,14 @@ impl MutualDipoles {
             let before = norm(&state.residual);
             if before <= self.tolerance * scale {
                 moment.clone_from(&state.moment);
+                self.local = axpy(&dipoles.field, 1.0, &state.induced);
                 return (made, before / scale);
             }
             let operator = Operator::new(&state.response);
             let mut scaled = Soa3::zeros(n);
             made += operator
                 .solve(dipoles, &state.residual, 0.3 * self.tolerance * scale, &mut scaled)
-                .0;
+                .iterations;
             let mut step = Soa3::default();
             dipoles.induced_field(operator.moments(&scaled).view(), &mut step);
             let step = axpy(&state.residual, 1.0, &step);
@@ -145,8 +181,8 @@ impl MutualDipoles {
     ) -> (Soa3, usize) {
         let response: Vec<_> = problem.beads.iter().map(|b| b.response(Vec3::zeros())).collect();
         let operator = Operator::new(&response);
-        let (iterations, _) = operator.solve(dipoles, b, self.tolerance.sqrt() * norm(b), last);
-        (operator.moments(last), iterations)
+        let solved = operator.solve(dipoles, b, self.tolerance.sqrt() * norm(b), last);
+        (operator.moments(last), solved.iterations)
     }
 }
 
@@ -184,29 +220,27 @@ impl Model for MutualDipoles {
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
-        let mut dipoles = Interaction::new(problem)?;
+        let mut dipoles = Interaction::summed(problem, &self.summation)?;
         out.resize(problem.beads.len());
         out.error = self.magnetise(problem, &mut dipoles, &mut out.moment)?;
-        self.local = finish(problem, &mut dipoles, out);
-        let missed = self
-            .estimate
-            .force(Dipoles::Mutual, problem, &self.local, out.force.view())?;
-        out.error.force = missed + out.error.residual * norm(&out.force);
+        dipoles.force(out.moment.view(), &mut out.force);
+        self.report = dipoles.report;
+        let missed = error_of_tree(self.report, &out.force);
+        finish(problem, &dipoles, self.local.view(), out);
+        let estimate = &mut self.estimate;
+        let of_dipoles = estimate.force(Dipoles::Mutual, problem, &self.local, out.force.view())?;
+        out.error.force = missed + of_dipoles + out.error.residual * norm(&out.force);
         Ok(())
     }
 }
 
-/// Forces, torques and energy of moments that are known; returns the local fields (T).
-pub(super) fn finish(problem: &Problem<'_>, dipoles: &mut Interaction<'_>, out: &mut Solution) -> Soa3 {
-    let mut induced = Soa3::default();
-    dipoles.field_and_force(out.moment.view(), out.moment.view(), &mut induced, &mut out.force);
+/// Adds the source's force, and finds torques and energy of moments that are known, in the fields `local` (T).
+pub(super) fn finish(problem: &Problem<'_>, dipoles: &Interaction<'_>, local: Soa3Ref<'_>, out: &mut Solution) {
     dipoles.add_source_force(out.moment.view(), &mut out.force);
     out.energy = 0.0;
     for (i, bead) in problem.beads.iter().enumerate() {
-        let (m, own) = (out.moment.get(i), dipoles.field.get(i));
-        let local = own + induced.get(i);
+        let (m, own, local) = (out.moment.get(i), dipoles.field.get(i), local.get(i));
         out.torque.set(i, m.cross(&local));
-        out.energy += bead.self_energy(local) - m.dot(&own) - 0.5 * m.dot(&induced.get(i));
+        out.energy += bead.self_energy(local) - 0.5 * m.dot(&(own + local));
     }
-    axpy(&dipoles.field, 1.0, &induced)
 }

@@ -11,6 +11,15 @@ pub(super) struct Operator<'a> {
     diamagnetic: bool,
 }
 
+/// How far conjugate gradients came.
+pub(super) struct Solved {
+    pub iterations: usize,
+    /// Root of the sum of squares of what is left, as a field (T).
+    pub off: f64,
+    /// What is left, scaled as the unknowns are.
+    residual: Soa3,
+}
+
 impl<'a> Operator<'a> {
     pub fn new(response: &'a [Response]) -> Self {
         let sign: Vec<f64> = response
@@ -31,6 +40,14 @@ impl<'a> Operator<'a> {
         (0..y.len()).map(one).collect()
     }
 
+    /// Local fields (T) of the scaled unknowns that have been found: |P|^(-1/2) (y + residual), without a sum over pairs. None
+    /// where a bead has no polarisability.
+    pub fn local_field(&self, y: &Soa3, solved: &Solved) -> Option<Soa3> {
+        let polarisable = self.response.iter().all(|r| r.along != 0.0 && r.across != 0.0);
+        let one = |i: usize| unroot(&self.response[i], y.get(i) + solved.residual.get(i));
+        polarisable.then(|| (0..y.len()).map(one).collect())
+    }
+
     fn apply(&self, dipoles: &mut Interaction<'_>, y: &Soa3, transposed: bool) -> Soa3 {
         let n = y.len();
         let m = if transposed {
@@ -47,13 +64,16 @@ impl<'a> Operator<'a> {
     }
 
     /// Solves for what the fields `b` (T) bring about, to `tolerance` (T), by conjugate gradients that start from `y`: on the
-    /// operator itself, which is positive definite, or with diamagnetic beads on its normal equations. Returns the iterations
-    /// and the residual (T).
-    pub fn solve(&self, dipoles: &mut Interaction<'_>, b: &Soa3, tolerance: f64, y: &mut Soa3) -> (usize, f64) {
+    /// operator itself, which is positive definite, or with diamagnetic beads on its normal equations.
+    pub fn solve(&self, dipoles: &mut Interaction<'_>, b: &Soa3, tolerance: f64, y: &mut Soa3) -> Solved {
         let n = b.len();
         let right: Soa3 = (0..n).map(|i| root(&self.response[i], b.get(i))).collect();
         let largest = self.response.iter().map(|r| r.across.abs()).fold(0.0, f64::max).sqrt();
-        let off = |r: &Soa3| if largest > 0.0 { norm(r) / largest } else { 0.0 };
+        let solved = |iterations: usize, r: Soa3| Solved {
+            iterations,
+            off: if largest > 0.0 { norm(&r) / largest } else { 0.0 },
+            residual: r,
+        };
         let goal = tolerance * largest;
         let mut residual = right.clone();
         if y.len() == n && norm(y) > 0.0 {
@@ -65,7 +85,7 @@ impl<'a> Operator<'a> {
             residual = right;
         }
         if norm(&residual) <= goal {
-            return (0, off(&residual));
+            return solved(0, residual);
         }
         let mut z = self.gradient(dipoles, &residual);
         let mut p = z.clone();
@@ -75,20 +95,20 @@ impl<'a> Operator<'a> {
             let q = self.apply(dipoles, &p, false);
             let curvature = if self.diamagnetic { dot(&q, &q) } else { dot(&p, &q) };
             if curvature <= 0.0 {
-                return (made, off(&residual));
+                return solved(made, residual);
             }
             let alpha = zz / curvature;
-            *y = axpy(y, alpha, &p);
-            residual = axpy(&residual, -alpha, &q);
+            add(y, alpha, &p);
+            add(&mut residual, -alpha, &q);
             if norm(&residual) <= goal {
-                return (made, off(&residual));
+                return solved(made, residual);
             }
             z = self.gradient(dipoles, &residual);
             let next = dot(&z, &z);
             p = axpy(&z, next / zz, &p);
             zz = next;
         }
-        (most, off(&residual))
+        solved(most, residual)
     }
 
     fn gradient(&self, dipoles: &mut Interaction<'_>, residual: &Soa3) -> Soa3 {
@@ -107,6 +127,13 @@ fn root(response: &Response, v: Vec3) -> Vec3 {
     n * (n.dot(&v) * (along - across)) + v * across
 }
 
+/// |P|^(-1/2) v, for a polarisability that is not zero.
+fn unroot(response: &Response, v: Vec3) -> Vec3 {
+    let n = response.direction;
+    let (along, across) = (1.0 / response.along.abs().sqrt(), 1.0 / response.across.abs().sqrt());
+    n * (n.dot(&v) * (along - across)) + v * across
+}
+
 fn dot(a: &Soa3, b: &Soa3) -> f64 {
     a.iter().zip(b.iter()).map(|(a, b)| a.dot(&b)).sum()
 }
@@ -114,6 +141,13 @@ fn dot(a: &Soa3, b: &Soa3) -> f64 {
 /// Root of the sum of squares.
 pub(super) fn norm(a: &Soa3) -> f64 {
     dot(a, a).sqrt()
+}
+
+/// Adds s b to a.
+fn add(a: &mut Soa3, s: f64, b: &Soa3) {
+    for (a, b) in [(&mut a.x, &b.x), (&mut a.y, &b.y), (&mut a.z, &b.z)] {
+        a.iter_mut().zip(b).for_each(|(a, b)| *a += s * b);
+    }
 }
 
 /// a + s b.

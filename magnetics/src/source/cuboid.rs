@@ -1,12 +1,14 @@
 //! A block magnet.
 
+use super::batch::{self, Batch, Eight, to_frame};
 use super::dipole::{dipole_field, dipole_gradient};
 use super::quadrature::gauss;
 use super::{ChargeSheet, FieldSource};
 use crate::MU0;
 use crate::error::{MagneticsError, positive};
-use lbm_ibm_coupling::Vec3;
+use crate::kernel::lanes::{Isa, Lanes, dot};
 use lbm_ibm_coupling::nalgebra::{Matrix3, Rotation3};
+use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 
 /// Beyond this many half lengths the magnet is summed as dipoles: its charges would cancel in the last digits.
 const FAR: f64 = 20.0;
@@ -112,6 +114,38 @@ impl FieldSource for Cuboid {
         };
         let turn = self.rotation.matrix();
         (turn * b, turn * g * turn.transpose())
+    }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        batch::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        batch::fields_and_gradients(self, x, t, b, g);
+    }
+}
+
+impl Batch for Cuboid {
+    #[inline(always)]
+    fn eight<I: Isa, const GRADIENT: bool>(&self, isa: I, x: [I::V; 3]) -> Eight<I::V> {
+        let (zero, one) = (isa.splat(0.0), isa.splat(1.0));
+        let p = to_frame(isa, x, self.centre, self.rotation.matrix());
+        let mut sum = Eight::zero(isa);
+        for face in &self.faces {
+            let part = face.eight::<I, GRADIENT>(isa, p);
+            sum = sum.plus(part);
+        }
+        // Of its faces a point may be far for one alone: what is far is said of the block.
+        let far2 = isa.splat((FAR * self.half.max()).powi(2));
+        sum.special = I::V::select(far2.less(dot(p, p)), one, sum.special);
+        let mut inside = one;
+        for c in 0..3 {
+            inside = I::V::select(p[c].abs().less(isa.splat(self.half[c])), inside, zero);
+        }
+        for c in 0..3 {
+            sum.field[c] = inside.mul_add(isa.splat(self.polarisation[c]), sum.field[c]);
+        }
+        sum.turned::<I, GRADIENT>(isa, self.rotation.matrix())
     }
 }
 

@@ -1,10 +1,12 @@
 //! A circular current.
 
-use super::FieldSource;
+mod many;
+
+use super::{FieldSource, batch};
 use crate::MU0;
 use crate::error::{MagneticsError, positive};
-use lbm_ibm_coupling::Vec3;
 use lbm_ibm_coupling::nalgebra::Matrix3;
+use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// Points of the trapezoid rule: its error is below 1e-15 wherever it is used.
@@ -157,6 +159,14 @@ impl FieldSource for CurrentLoop {
             + nn * axial_z
             + (turn + turn.transpose()) * mixed;
         (field * scale, g * scale)
+    }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        batch::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        batch::fields_and_gradients(self, x, t, b, g);
     }
 }
 

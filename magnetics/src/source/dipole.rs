@@ -1,10 +1,12 @@
 //! The point dipole, and the sphere that is one from outside.
 
 use super::FieldSource;
+use super::batch::{self, Batch, Eight};
 use crate::MU0;
 use crate::error::{MagneticsError, positive};
-use lbm_ibm_coupling::Vec3;
+use crate::kernel::lanes::{Isa, Lanes, dot, minus, same};
 use lbm_ibm_coupling::nalgebra::Matrix3;
+use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 
 /// Closer to a point dipole than this (m) its field is reported as zero, the mean over a small ball.
 const CORE: f64 = 1e-12;
@@ -59,6 +61,14 @@ impl FieldSource for PointDipole {
         }
         dipole_gradient(self.moment, r)
     }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        batch::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        batch::fields_and_gradients(self, x, t, b, g);
+    }
 }
 
 /// A uniformly magnetised sphere: outside a dipole, inside B = 2/3 J.
@@ -103,6 +113,59 @@ impl FieldSource for MagnetisedSphere {
             return Matrix3::zeros();
         }
         dipole_gradient(self.moment(), r)
+    }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        batch::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        batch::fields_and_gradients(self, x, t, b, g);
+    }
+}
+
+/// Field and gradient of a dipole `m` (A m2) at `centre` (m); nearer than `core` (m) the source is asked.
+#[inline(always)]
+fn eight<I: Isa, const GRADIENT: bool>(isa: I, x: [I::V; 3], centre: Vec3, m: Vec3, core: f64) -> Eight<I::V> {
+    let r = minus(x, same(isa, centre));
+    let m = same(isa, m * (MU0 / (4.0 * std::f64::consts::PI)));
+    let r2 = dot(r, r);
+    let mut out = Eight::zero(isa);
+    out.special = I::V::select(r2.less(isa.splat(1.0001 * core * core)), isa.splat(1.0), out.special);
+    // Beyond the range of powers of r the source is asked, too.
+    out.special = I::V::select(isa.splat(1e30).less(r2), isa.splat(1.0), out.special);
+    let inverse2 = isa.splat(1.0) / r2;
+    let inverse3 = inverse2 * inverse2.sqrt();
+    let pull = dot(m, r) * inverse3 * inverse2;
+    let w = isa.splat(3.0) * pull;
+    for c in 0..3 {
+        out.field[c] = w * r[c] - inverse3 * m[c];
+    }
+    if GRADIENT {
+        let turn = isa.splat(3.0) * inverse3 * inverse2;
+        let away = isa.splat(-15.0) * pull * inverse2;
+        let pairs = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+        for k in 0..6 {
+            let (a, b) = pairs[k];
+            let mixed = m[a].mul_add(r[b], m[b] * r[a]);
+            let g = (away * r[a]).mul_add(r[b], turn * mixed);
+            out.gradient[k] = if a == b { g + w } else { g };
+        }
+    }
+    out
+}
+
+impl Batch for PointDipole {
+    #[inline(always)]
+    fn eight<I: Isa, const GRADIENT: bool>(&self, isa: I, x: [I::V; 3]) -> Eight<I::V> {
+        eight::<I, GRADIENT>(isa, x, self.position, self.moment, CORE)
+    }
+}
+
+impl Batch for MagnetisedSphere {
+    #[inline(always)]
+    fn eight<I: Isa, const GRADIENT: bool>(&self, isa: I, x: [I::V; 3]) -> Eight<I::V> {
+        eight::<I, GRADIENT>(isa, x, self.centre, self.moment(), self.radius)
     }
 }
 

@@ -1,10 +1,12 @@
 //! Rectangular sheets of magnetic charge: a face of a magnet, and the paper's pair.
 
-use super::FieldSource;
+mod batch;
+
 use super::quadrature::gauss;
+use super::{FieldSource, batch as many};
 use crate::error::{MagneticsError, positive};
-use lbm_ibm_coupling::Vec3;
 use lbm_ibm_coupling::nalgebra::Matrix3;
+use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
 use std::f64::consts::PI;
 
 /// Beyond this many half lengths the charge is summed by quadrature.
@@ -158,6 +160,14 @@ impl FieldSource for ChargeSheet {
         let (h, g) = self.local(self.axes.tr_mul(&(x - self.centre)));
         (self.axes * h, self.axes * g * self.axes.transpose())
     }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        many::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        many::fields_and_gradients(self, x, t, b, g);
+    }
 }
 
 /// The paper's source: two equal horizontal sheets, one above and one below the channel.
@@ -208,6 +218,14 @@ impl FieldSource for SheetPair {
         let (b, g) = self.bottom.field_and_gradient(x, t);
         let (c, h) = self.top.field_and_gradient(x, t);
         (b + c, g + h)
+    }
+
+    fn fields(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3) {
+        many::fields(self, x, t, b);
+    }
+
+    fn fields_and_gradients(&self, x: Soa3Ref<'_>, t: f64, b: &mut Soa3, g: &mut Vec<Matrix3<f64>>) {
+        many::fields_and_gradients(self, x, t, b, g);
     }
 }
 

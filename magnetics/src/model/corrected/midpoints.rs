@@ -1,9 +1,10 @@
 //! Fields and forces between beads and the midpoints of near pairs.
 
 use super::Extra;
-use crate::kernel::{self, Overlap, Sources, Want};
+use crate::kernel::{Overlap, Want};
 use crate::model::Problem;
-use crate::model::near::{FACTOR, Interaction};
+use crate::model::near::FACTOR;
+use crate::tree::{DipoleSums, Summation};
 use lbm_ibm_coupling::nalgebra::Matrix3;
 use lbm_ibm_coupling::{CellList, Domain, Soa3, Vec3};
 
@@ -19,10 +20,12 @@ pub(super) struct Midpoints {
     others: Vec<(usize, usize)>,
     field: Soa3,
     gradient: Vec<Matrix3<f64>>,
+    from_beads: DipoleSums,
+    to_beads: DipoleSums,
 }
 
 impl Midpoints {
-    pub fn new(problem: &Problem<'_>, extras: &[Extra]) -> Self {
+    pub fn new(problem: &Problem<'_>, extras: &[Extra], how: Summation) -> Self {
         let positions = problem.positions;
         let x: Soa3 = extras.iter().map(|p| positions.get(p.i) - p.r * 0.5).collect();
         let radius = |i: usize| problem.beads[i].radius();
@@ -50,7 +53,10 @@ impl Midpoints {
         problem
             .source
             .fields_and_gradients(x.view(), problem.time, &mut field, &mut gradient);
+        let tree = how.tree(n);
         Self {
+            from_beads: DipoleSums::new(x.view(), Some(positions), near, tree),
+            to_beads: DipoleSums::new(positions, Some(x.view()), near, tree),
             x,
             ball,
             near,
@@ -86,22 +92,23 @@ impl Midpoints {
     }
 
     /// Field (T) of the source and of all beads but the pair's own at each midpoint.
-    pub fn field(&self, problem: &Problem<'_>, extras: &[Extra], dipoles: &mut Interaction<'_>, moment: &Soa3) -> Soa3 {
+    pub fn field(&mut self, problem: &Problem<'_>, extras: &[Extra], moment: &Soa3) -> Soa3 {
         let mut field = Soa3::default();
-        dipoles.field_at(self.x.view(), moment.view(), self.near, &mut field);
+        let m = moment.view();
+        self.from_beads
+            .sums(m, m, Want::Field, &mut field, &mut Soa3::default());
         for (weight, k, bead, r, overlap) in self.special(problem, extras) {
-            field.add(k, overlap.field(moment.get(bead), r) * (FACTOR * weight));
+            field.add(k, overlap.field(moment.get(bead), r) * weight);
         }
-        for k in 0..extras.len() {
-            field.add(k, self.field.get(k));
-        }
-        field
+        (0..extras.len())
+            .map(|k| field.get(k) * FACTOR + self.field.get(k))
+            .collect()
     }
 
     /// Forces (N) of the beads on the extra moments (returned) and of these on the beads (added to `force`), and the field
     /// (T) of the extra moments at the beads.
     pub fn forces(
-        &self,
+        &mut self,
         problem: &Problem<'_>,
         extras: &[Extra],
         moment: &Soa3,
@@ -110,30 +117,16 @@ impl Midpoints {
     ) -> Soa3 {
         let extra: Soa3 = extras.iter().map(|p| p.moment).collect();
         let (mut pull, mut push) = (Soa3::default(), Soa3::default());
-        let mut sources = Sources::default();
-        sources.set_positions(problem.positions);
-        sources.set_moments(moment.view());
-        let (x, near) = (self.x.view(), self.near);
-        kernel::sums(
-            &sources,
-            x,
-            extra.view(),
-            near,
-            Want::Force,
-            &mut Soa3::default(),
-            &mut pull,
-        );
-        sources.set_positions(x);
-        sources.set_moments(extra.view());
-        let beads = problem.positions;
-        kernel::sums(&sources, beads, moment.view(), near, Want::Both, back, &mut push);
+        let (m, e) = (moment.view(), extra.view());
+        self.from_beads.sums(e, m, Want::Force, &mut Soa3::default(), &mut pull);
+        self.to_beads.sums(m, e, Want::Both, back, &mut push);
         for (weight, k, bead, r, overlap) in self.special(problem, extras) {
             let on_extra = overlap.force(extra.get(k), moment.get(bead), r) * weight;
             pull.add(k, on_extra);
             push.add(bead, -on_extra);
             back.add(bead, overlap.field(extra.get(k), r) * weight);
         }
-        for i in 0..beads.len() {
+        for i in 0..push.len() {
             force.add(i, push.get(i) * FACTOR);
             back.set(i, back.get(i) * FACTOR);
         }
