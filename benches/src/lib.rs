@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p lbm-ibm-benches --bin validate -- --help`, and the same with `--bin speed`.
 
+pub mod charts_magnetics;
 pub mod reference;
 pub mod scenes;
 pub mod validate;

@@ -4,9 +4,10 @@
 //!
 //! - **Sources** ([`FieldSource`]): [`Uniform`], [`ChargeSheet`] and the paper's [`SheetPair`], [`Cuboid`], [`PointDipole`],
 //!   [`MagnetisedSphere`], [`CurrentLoop`], their [`Sum`], and a user's own.
-//! - **Beads** ([`Bead`]): linear by [`Apparent`] or [`Intrinsic`] susceptibility, [`Saturation`], a [`Table`], or remanent.
-//! - **Models** ([`Model`]), a ladder: [`FixedDipoles`], [`MutualDipoles`], [`PairCorrected`] (pairs and open chains, the
-//!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
+//! - **Beads** ([`Bead`]): linear by [`Apparent`] or [`Intrinsic`] susceptibility, [`Saturation`], a [`Table`], or remanent;
+//!   commercial ones ([`Preset`]) and soft-magnetic posts ([`Pillar`]).
+//! - **Models** ([`Model`]), a ladder: [`FixedDipoles`], [`MutualDipoles`], [`PairCorrected`] (pairs and open chains),
+//!   [`Multipoles`] (packed contacts), and [`Auto`], which picks bead by bead: the default choice. Forces are (grad B)^T m with the moments held and the gradient of the
 //!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
 //!   reference for tests.
 //! - **Motion** ([`Overdamped`]): drag on v - u(x), near walls and near other beads. [`BeadForces`] puts the forces into a
@@ -24,7 +25,7 @@
 //! let beads = [bead.clone(), bead];
 //! let problem = Problem::new(&beads, x.view(), &source, 0.0)?;
 //! let mut solution = Solution::new();
-//! PairCorrected::new().solve(&problem, &mut solution)?;
+//! Auto::new().solve(&problem, &mut solution)?;
 //! assert!(solution.force.get(0).z > 0.0 && solution.error.force < 0.3 * solution.force.get(0).z);
 //! # Ok::<(), MagneticsError>(())
 //! ```
@@ -40,7 +41,7 @@ mod source;
 mod two_sphere;
 
 pub use bead::{
-    Apparent, Bead, Intrinsic, Magnetisation, Preset, Response, Saturation, SaturationShape, Sourced, Table,
+    Apparent, Bead, Intrinsic, Magnetisation, Pillar, Preset, Response, Saturation, SaturationShape, Sourced, Table,
 };
 pub use chains::{Chain, chain_gaps, find_chains};
 pub use dynamics::{
@@ -49,8 +50,8 @@ pub use dynamics::{
 pub use error::MagneticsError;
 pub use forces::BeadForces;
 pub use model::{
-    ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
-    dipole_forces,
+    Auto, ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution,
+    dense_moments, dipole_forces,
 };
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,
