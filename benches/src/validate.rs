@@ -8,6 +8,7 @@ mod duct;
 mod finding;
 mod kernels;
 mod leak;
+mod magnetics;
 mod profile;
 mod rigid;
 mod rigid_crowd;
@@ -49,6 +50,14 @@ pub const CASES: &[(&str, Case)] = &[
     ("paper_rbc_stretch", Case::Rows(stretch::paper_rbc_stretch)),
     ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),
     ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
+    ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
+    ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
+    ("two_sphere_force", Case::Rows(magnetics::two_sphere_force)),
+    ("unequal_pair_force", Case::Rows(magnetics::unequal_pair_force)),
+    ("bead_chain_tension", Case::Rows(magnetics::bead_chain_tension)),
+    ("bead_cluster_force", Case::Rows(magnetics::bead_cluster_force)),
+    ("bead_dynamics", Case::Rows(magnetics::bead_dynamics)),
+    ("sphere_wall_drag", Case::Rows(magnetics::sphere_wall_drag)),
     ("no_leak", Case::Alone(leak::no_leak)),
     ("free_cell", Case::Alone(cells::free_cell)),
     ("rigid_drag", Case::Alone(rigid::rigid_drag)),

@@ -3,8 +3,7 @@
 use crate::options::{FLUID_DENSITY, GRAVITY, Options};
 use lbm_ibm::coupling::{MS, Soa3, Sphere, UM, US, Vec3};
 use lbm_ibm::magnetics::{
-    Bead, Chain, Flow, Overdamped, PairCorrected, chain_gaps, chain_histogram, contact_time,
-    find_chains, mason_number,
+    Bead, Chain, Flow, Overdamped, PairCorrected, chain_gaps, chain_histogram, contact_time, find_chains, mason_number,
 };
 use lbm_ibm::output::BeadSeries;
 use rand_chacha::ChaCha8Rng;

@@ -82,9 +82,24 @@ pub fn write(
         let chart = Chart::new("Magnets on, then off", "time, ms", "along the flow, um");
         let moments = &released.moments;
         chart
-            .series("tumour cell", Mark::Line, moments.iter().map(|m| (m.time / MS, m.ctc / UM)))
-            .series("farthest bead", Mark::Line, moments.iter().map(|m| (m.time / MS, m.bend / UM)))
+            .series(
+                "tumour cell",
+                Mark::Line,
+                moments.iter().map(|m| (m.time / MS, m.ctc / UM)),
+            )
+            .series(
+                "farthest bead",
+                Mark::Line,
+                moments.iter().map(|m| (m.time / MS, m.bend / UM)),
+            )
             .write_svg(&folder.join("release.svg"))?;
     }
-    write_json(&folder.join("summary.json"), &Summary { points, window, released })
+    write_json(
+        &folder.join("summary.json"),
+        &Summary {
+            points,
+            window,
+            released,
+        },
+    )
 }

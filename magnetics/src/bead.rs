@@ -1,10 +1,12 @@
 //! Beads: how large, how heavy, and how they answer to a field.
 
 mod law;
+mod pillar;
 mod presets;
 mod susceptibility;
 
 pub use law::{Magnetisation, Saturation, SaturationShape, Table};
+pub use pillar::Pillar;
 pub use presets::{Preset, Sourced};
 pub use susceptibility::{Apparent, Intrinsic};
 

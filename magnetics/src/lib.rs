@@ -4,9 +4,10 @@
 //!
 //! - **Sources** ([`FieldSource`]): [`Uniform`], [`ChargeSheet`] and the paper's [`SheetPair`], [`Cuboid`], [`PointDipole`],
 //!   [`MagnetisedSphere`], [`CurrentLoop`], their [`Sum`], and a user's own.
-//! - **Beads** ([`Bead`]): linear by [`Apparent`] or [`Intrinsic`] susceptibility, [`Saturation`], a [`Table`], or remanent.
-//! - **Models** ([`Model`]), a ladder: [`FixedDipoles`], [`MutualDipoles`], [`PairCorrected`] (pairs and open chains, the
-//!   default choice) and [`Multipoles`] (packed contacts). Forces are (grad B)^T m with the moments held and the gradient of the
+//! - **Beads** ([`Bead`]): linear by [`Apparent`] or [`Intrinsic`] susceptibility, [`Saturation`], a [`Table`], or remanent;
+//!   commercial ones ([`Preset`]) and soft-magnetic posts ([`Pillar`]).
+//! - **Models** ([`Model`]), a ladder: [`FixedDipoles`], [`MutualDipoles`], [`PairCorrected`] (pairs and open chains),
+//!   [`Multipoles`] (packed contacts), and [`Auto`], which picks bead by bead: the default choice. Forces are (grad B)^T m with the moments held and the gradient of the
 //!   reported energy; every [`Solution`] has an [`ErrorEstimate`]. [`TwoSpheres`] is the exact pair, [`dense_moments`] the
 //!   reference for tests.
 //! - **Many beads** ([`Tree`]): sums directly up to 20 000 beads, above by a tree whose accuracy is asked for and reported.
@@ -27,7 +28,7 @@
 //! let beads = [bead.clone(), bead];
 //! let problem = Problem::new(&beads, x.view(), &source, 0.0)?;
 //! let mut solution = Solution::new();
-//! PairCorrected::new().solve(&problem, &mut solution)?;
+//! Auto::new().solve(&problem, &mut solution)?;
 //! assert!(solution.force.get(0).z > 0.0 && solution.error.force < 0.3 * solution.force.get(0).z);
 //! # Ok::<(), MagneticsError>(())
 //! ```
@@ -45,7 +46,7 @@ mod tree;
 mod two_sphere;
 
 pub use bead::{
-    Apparent, Bead, Intrinsic, Magnetisation, Preset, Response, Saturation, SaturationShape, Sourced, Table,
+    Apparent, Bead, Intrinsic, Magnetisation, Pillar, Preset, Response, Saturation, SaturationShape, Sourced, Table,
 };
 pub use chains::{Chain, chain_gaps, chain_histogram, find_chains};
 pub use dynamics::{
@@ -57,8 +58,8 @@ pub use error::MagneticsError;
 pub use estimates::{contact_force, contact_time, mason_number};
 pub use forces::BeadForces;
 pub use model::{
-    ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution, dense_moments,
-    dipole_forces, tree_forces,
+    Auto, ErrorEstimate, FixedDipoles, Model, Multipoles, MutualDipoles, PairCorrected, Problem, Solution,
+    dense_moments, dipole_forces, tree_forces,
 };
 pub use source::{
     ChargeSheet, Cuboid, CurrentLoop, FieldSource, MagnetisedSphere, PointDipole, SheetPair, Sum, Uniform,

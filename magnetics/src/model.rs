@@ -1,5 +1,6 @@
 //! The ladder of models.
 
+mod auto;
 mod corrected;
 mod dense;
 mod estimate;
@@ -8,8 +9,10 @@ mod multipole;
 mod mutual;
 mod near;
 mod operator;
+mod strength;
 mod tables;
 
+pub use auto::Auto;
 pub use corrected::PairCorrected;
 pub use dense::dense_moments;
 pub use fixed::{FixedDipoles, dipole_forces, tree_forces};
@@ -128,7 +131,7 @@ impl Solution {
 /// How far off a solution may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorEstimate {
-    /// Estimated greatest error of the force on any bead, N, against linear spheres solved exactly.
+    /// Estimated greatest error of the force on any bead, N, against spheres solved exactly.
     pub force: f64,
     /// Relative residual of the linear system.
     pub residual: f64,
@@ -146,7 +149,7 @@ pub trait Model: Send {
     /// Solves `problem` into `out`. A model keeps its last solution and starts from it when the number of beads is the same.
     ///
     /// # Errors
-    /// [`MagneticsError::NotFinite`] for a field, [`MagneticsError::NotConverged`], [`MagneticsError::NotLinear`].
+    /// [`MagneticsError::NotFinite`] for a field, [`MagneticsError::NotConverged`].
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError>;
 }
 

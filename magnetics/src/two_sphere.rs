@@ -2,8 +2,10 @@
 
 mod system;
 mod table;
+mod truncated;
 
 pub(crate) use table::{Fineness, Moments, PairTable};
+pub(crate) use truncated::Truncated;
 
 use crate::MU0;
 use crate::error::{MagneticsError, positive};

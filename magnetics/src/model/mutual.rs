@@ -170,16 +170,18 @@ impl MutualDipoles {
         (made, f64::INFINITY)
     }
 
-    /// Moments (A m2) that the additional fields `b` (T) induce in linear beads, starting from `last`, the scaled moments of
-    /// the last call; and the iterations made. They are a part of a correction: the root of the tolerance is enough.
+    /// Moments (A m2) that the additional fields `b` (T) induce on top of the local fields `local` (T), to first order,
+    /// starting from `last`, the scaled moments of the last call; and the iterations made. They are a part of a correction: the root of the tolerance is enough.
     pub(super) fn respond(
         &self,
         problem: &Problem<'_>,
         dipoles: &mut Interaction<'_>,
+        local: &Soa3,
         b: &Soa3,
         last: &mut Soa3,
     ) -> (Soa3, usize) {
-        let response: Vec<_> = problem.beads.iter().map(|b| b.response(Vec3::zeros())).collect();
+        let beads = problem.beads.iter().enumerate();
+        let response: Vec<_> = beads.map(|(i, bead)| bead.response(local.get(i))).collect();
         let operator = Operator::new(&response);
         let solved = operator.solve(dipoles, b, self.tolerance.sqrt() * norm(b), last);
         (operator.moments(last), solved.iterations)

@@ -111,6 +111,13 @@ impl<'a> Interaction<'a> {
         scale(force, FACTOR);
     }
 
+    /// Force (N) of the moments `by` on the moments `on` (A m2).
+    pub fn force_by(&mut self, on: Soa3Ref<'_>, by: Soa3Ref<'_>, force: &mut Soa3) {
+        self.sums.sums(on, by, Want::Force, &mut Soa3::default(), force);
+        self.add_near_force(on, by, force);
+        scale(force, FACTOR);
+    }
+
     /// Force (N) of the moments `m` (A m2) on each other and, to first order, what changes with them by `change`: that of m
     /// and the change on m, and of m on the change.
     pub fn force_with_change(&mut self, m: Soa3Ref<'_>, change: Soa3Ref<'_>, force: &mut Soa3) {

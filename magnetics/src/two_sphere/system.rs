@@ -5,6 +5,7 @@
 //! and with the signs (-1)^n of sphere 2 taken into its unknowns, y1 = f1 - s1 (-1)^m K^T z2 and z2 = f2 - s2 (-1)^m K y1, s
 //! the sign of beta. Eliminating y1 leaves I - s1 s2 K K^T, positive definite since |K| < 1: conjugate gradients.
 
+use lbm_ibm_coupling::nalgebra::{DMatrix, DVector};
 use std::f64::consts::{PI, SQRT_2};
 
 /// The system at one order of truncation.
@@ -100,6 +101,47 @@ impl System {
             force: -4.0 * PI * share * s2 / self.radius[1] * force,
             moment: [4.0 * PI * q(0) * y1[0] / applied, -4.0 * PI * q(1) * z2[0] / applied],
         }
+    }
+
+    /// Total moment, its slope with distance and with the openness of both spheres, in units of H0: the orders from 2 on of
+    /// sphere s answer with `open[s]` of their strength. Exact slopes of the truncated system.
+    pub fn truncated(&self, open: [f64; 2], distance: f64) -> (f64, f64, [f64; 2]) {
+        let n = self.order;
+        let sigma = if self.m == 0 { 1.0 } else { -1.0 };
+        let share = if self.m == 0 { 1.0 } else { 2.0 };
+        let weight = |s: usize, l: usize| if l == 0 { 1.0 } else { open[s].sqrt() };
+        let q = |s: usize| (share * self.beta[s][0].abs() * self.radius[s].powi(3)).sqrt();
+        // [s1, sigma K^T; sigma K, s2] u = g, the moment is 4 pi g.u over the square of the applied field.
+        let t = DMatrix::from_fn(2 * n, 2 * n, |r, c| match (r < n, c < n) {
+            (true, true) | (false, false) if r == c => self.sign[usize::from(r >= n)],
+            (false, true) => sigma * self.k[(r - n) * n + c] * weight(1, r - n) * weight(0, c),
+            (true, false) => sigma * self.k[(c - n) * n + r] * weight(1, c - n) * weight(0, r),
+            _ => 0.0,
+        });
+        let mut g = DVector::zeros(2 * n);
+        (g[0], g[n]) = (q(0), -q(1));
+        let u = t.lu().solve(&g).unwrap_or_else(|| DVector::zeros(2 * n));
+        let unit = 4.0 * PI / share;
+        let (mut slope, mut opens) = (0.0, [0.0; 2]);
+        for row in 0..n {
+            let mut into = 0.0;
+            for l in 0..n {
+                let k = self.k[row * n + l] * weight(0, l) * u[l];
+                into += k;
+                slope += u[n + row] * weight(1, row) * k * (row + l + 3) as f64;
+            }
+            if row > 0 {
+                opens[1] += into * into;
+            }
+        }
+        for l in 1..n {
+            let into: f64 = (0..n)
+                .map(|row| self.k[row * n + l] * weight(1, row) * u[n + row])
+                .sum();
+            opens[0] += into * into;
+        }
+        let opens = [unit * self.sign[0] * opens[0], unit * self.sign[1] * opens[1]];
+        (unit * g.dot(&u), unit * 2.0 * sigma * slope / distance, opens)
     }
 
     fn forward(&self, v: &[f64]) -> Vec<f64> {

@@ -31,6 +31,9 @@ impl Fineness {
     };
 }
 
+/// Depth of overlap, in contact distances, in which the force of contact falls by e.
+const SOFT: f64 = 0.01;
+
 /// Total moments (m3) of a pair by some model, and their derivatives with distance (m2): forces are half of these.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Moments {
@@ -38,6 +41,21 @@ pub(crate) struct Moments {
     pub perp: f64,
     pub par_slope: f64,
     pub perp_slope: f64,
+}
+
+impl Moments {
+    /// These moments of a pair at contact, carried on to the gap `gap` (m, below zero): slopes fall by e in [`SOFT`] of the
+    /// distance of `contact` (m), so that no overlap gives large moments.
+    pub fn inside(&self, gap: f64, contact: f64) -> Self {
+        let depth = SOFT * contact;
+        let fall = (gap / depth).exp();
+        Self {
+            par: self.par - self.par_slope * depth * (1.0 - fall),
+            perp: self.perp - self.perp_slope * depth * (1.0 - fall),
+            par_slope: self.par_slope * fall,
+            perp_slope: self.perp_slope * fall,
+        }
+    }
 }
 
 /// Exact less mutual dipoles, piecewise cubic in ln(gap + scale).
@@ -49,6 +67,8 @@ pub(crate) struct PairTable {
     first: f64,
     reach: f64,
     nodes: Vec<Moments>,
+    radius: [f64; 2],
+    permeability: [f64; 2],
     polarisability: [f64; 2],
 }
 
@@ -87,24 +107,21 @@ impl PairTable {
             first,
             reach,
             nodes,
+            radius,
+            permeability,
             polarisability,
         })
     }
 
-    /// Exact less mutual dipoles at `distance` (m). Overlapping pairs have the force of contact; from three quarters of the
-    /// reach on the difference fades to nothing.
+    /// Exact less mutual dipoles at `distance` (m). Overlapping pairs begin with the force of contact, which falls by e in a
+    /// hundredth of the contact distance; from three quarters of the reach on the difference fades to nothing.
     pub fn correction(&self, distance: f64) -> Moments {
         let gap = distance - self.contact;
         if gap >= self.reach {
             return Moments::default();
         }
         if gap <= 0.0 {
-            let at = self.nodes[0];
-            return Moments {
-                par: at.par + gap * at.par_slope,
-                perp: at.perp + gap * at.perp_slope,
-                ..at
-            };
+            return self.nodes[0].inside(gap, self.contact);
         }
         let t = ((gap + self.scale).ln() - self.first) / self.step;
         let k = (t as usize).min(self.nodes.len() - 2);
@@ -164,6 +181,16 @@ impl PairTable {
             par_slope: c.par_slope + m.par_slope - f.par_slope,
             perp_slope: c.perp_slope + m.perp_slope - f.perp_slope,
         }
+    }
+
+    /// Radii (m) and permeabilities.
+    pub fn spheres(&self) -> ([f64; 2], [f64; 2]) {
+        (self.radius, self.permeability)
+    }
+
+    /// Greatest gap that is corrected, m.
+    pub fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// How much of what the pair has beyond dipoles is the first sphere's.

@@ -8,9 +8,9 @@
 
 use super::Extra;
 use crate::MU0;
+use crate::bead::Bead;
 use crate::model::Problem;
 use crate::model::near::FACTOR;
-use crate::model::tables::Tables;
 use lbm_ibm_coupling::nalgebra::Matrix3;
 use lbm_ibm_coupling::{Soa3, Vec3};
 use std::f64::consts::PI;
@@ -28,18 +28,20 @@ struct Link {
     gradient: Matrix3<f64>,
 }
 
-/// Adds energy and forces of the cross terms, and to `back` the field (T) that they are to each dipole.
+/// Adds the forces of the cross terms, and to `back` the field (T) that they are to each dipole; `open` is the share of each
+/// bead's, `strength` that of its polarisability. Returns their energy (J) per bead, without the share.
 pub(super) fn add_cross_terms(
     problem: &Problem<'_>,
     extras: &[Extra],
-    tables: &Tables,
+    open: &[f64],
+    strength: &[f64],
     moment: &Soa3,
     back: &mut Soa3,
     force: &mut Soa3,
-) -> f64 {
+) -> Vec<f64> {
     let mut links = Vec::with_capacity(2 * extras.len());
     for pair in extras {
-        let (weight, slope) = tables.get(pair.table).presence(pair.distance);
+        let (weight, slope) = pair.presence;
         for (on, by, r) in [(pair.i, pair.j, pair.r), (pair.j, pair.i, -pair.r)] {
             links.push(Link {
                 on,
@@ -56,19 +58,17 @@ pub(super) fn add_cross_terms(
     for link in &links {
         sum[link.on] += link.gradient * link.weight;
     }
-    let stiffness: Vec<f64> = problem
-        .beads()
-        .iter()
-        .map(|b| {
-            let mu = b.initial_permeability();
-            ALL_ORDERS * 4.0 * PI / (12.0 * MU0) * 2.0 * (mu - 1.0) / (2.0 * mu + 3.0) * b.radius().powi(5)
-        })
-        .collect();
-    let mut energy = 0.0;
+    let stiffness = |(bead, t): (&Bead, &f64)| {
+        let p = t * polarisability(bead);
+        ALL_ORDERS * 4.0 * PI / (12.0 * MU0) * 2.0 * 3.0 * p / (5.0 + p) * bead.radius().powi(5)
+    };
+    let stiffness: Vec<f64> = problem.beads().iter().zip(strength).map(stiffness).collect();
+    let mut energy = vec![0.0; n];
     for link in &links {
         let own = link.gradient * link.weight;
         let rest = (sum[link.on] - own) * (2.0 * stiffness[link.on]);
-        energy -= 0.5 * rest.dot(&own);
+        energy[link.on] -= 0.5 * rest.dot(&own);
+        let rest = rest * open[link.on];
         let (r, m) = (link.r, moment.get(link.by));
         let (pull, field) = contract(&rest, m, r);
         let along = rest.dot(&link.gradient) * link.slope;
@@ -78,6 +78,12 @@ pub(super) fn add_cross_terms(
         back.add(link.by, field * link.weight);
     }
     energy
+}
+
+/// (mu - 1)/(mu + 2) at vanishing field; beta_2 is 2 times 3 p/(5 + p) of it.
+fn polarisability(bead: &Bead) -> f64 {
+    let mu = bead.initial_permeability();
+    (mu - 1.0) / (mu + 2.0)
 }
 
 /// Derivatives (1/r d/dr)^k of 1/r, k = 2, 3, 4.

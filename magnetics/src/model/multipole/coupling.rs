@@ -5,11 +5,12 @@
 use super::solid::irregular;
 use crate::bead::Bead;
 use crate::model::near::Pair;
+use crate::model::strength::weakened;
 use lbm_ibm_coupling::Vec3;
 use lbm_ibm_coupling::nalgebra::Complex;
 
 /// Coefficients to `order`.
-pub(super) fn count(order: usize) -> usize {
+pub(in crate::model) fn count(order: usize) -> usize {
     (order + 1) * (order + 2) / 2 - 1
 }
 
@@ -18,7 +19,7 @@ fn at(l: usize, m: usize) -> usize {
 }
 
 /// How a bead answers: outgoing = -sign root^2 incoming.
-pub(super) struct Shape {
+pub(in crate::model) struct Shape {
     pub sign: f64,
     /// sqrt(|beta_l| a^(2l+1)/((l+m)!(l-m)!)).
     pub root: Vec<f64>,
@@ -27,8 +28,14 @@ pub(super) struct Shape {
 }
 
 impl Shape {
+    /// A linear bead, or one at vanishing field.
     pub fn new(bead: &Bead, unit: f64, order: usize) -> Self {
-        let mu = bead.initial_permeability();
+        Self::weakened(bead, 1.0, unit, order)
+    }
+
+    /// A bead whose polarisability is `strength` of that at vanishing field.
+    pub fn weakened(bead: &Bead, strength: f64, unit: f64, order: usize) -> Self {
+        let mu = weakened(bead.initial_permeability(), strength);
         let a = bead.radius() / unit;
         let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
         let (mut root, mut weight) = (Vec::new(), Vec::new());
@@ -48,9 +55,16 @@ impl Shape {
     }
 }
 
+/// Slope of the logarithm of a bead's answer at order `l` with its strength.
+pub(in crate::model) fn relative_slope(bead: &Bead, strength: f64, l: usize) -> f64 {
+    let (mu, l) = (bead.initial_permeability(), l as f64);
+    let p = strength * (mu - 1.0) / (mu + 2.0);
+    (2.0 * l + 1.0) / (strength * (2.0 * l + 1.0 + (l - 1.0) * p))
+}
+
 /// Scratch of a translation: outgoing coefficients of all m.
 #[derive(Default)]
-pub(super) struct Field {
+pub(in crate::model) struct Field {
     re: Vec<f64>,
     im: Vec<f64>,
     sum_re: Vec<f64>,
@@ -58,10 +72,16 @@ pub(super) struct Field {
 }
 
 /// Two beads whose multipoles meet.
-pub(super) struct Link {
+pub(in crate::model) struct Link {
     pub i: usize,
     pub j: usize,
     order: usize,
+    /// Whether the dipoles' field on dipoles is left to others.
+    beyond_dipoles: bool,
+    /// Unit vector from j to i.
+    pub direction: Vec3,
+    /// d ln(weight)/dr of a link that fades, 1/m.
+    pub slope: f64,
     /// Half the bispherical distance of the two spheres, at least that of a gap of 0.001 mean radii.
     eta: f64,
     /// I_(L,-q)(R), q = -L..=L, per order L at L^2 + L + q; R from j to i.
@@ -70,7 +90,24 @@ pub(super) struct Link {
 }
 
 impl Link {
+    /// All orders to `order`, fewer for a pair that is farther apart.
     pub fn new(pair: &Pair, radius: [f64; 2], unit: f64, order: usize) -> Self {
+        let eta = eta(2.0 * pair.distance / (radius[0] + radius[1]));
+        Self::of(pair, radius, unit, order_at(eta, order))
+    }
+
+    /// All orders to `order` but dipole to dipole, with a weight and its slope with distance (1/m).
+    pub fn beyond_dipoles(pair: &Pair, radius: [f64; 2], unit: f64, order: usize, weight: (f64, f64)) -> Self {
+        let mut link = Self::of(pair, radius, unit, order);
+        link.beyond_dipoles = true;
+        link.slope = weight.1 / weight.0;
+        for value in link.re.iter_mut().chain(&mut link.im) {
+            *value *= weight.0;
+        }
+        link
+    }
+
+    fn of(pair: &Pair, radius: [f64; 2], unit: f64, order: usize) -> Self {
         // Overlapping spheres have no converging multipoles: they are coupled as at contact.
         let contact = radius[0] + radius[1];
         let direction = if pair.distance > 0.0 {
@@ -80,7 +117,6 @@ impl Link {
         };
         let r = direction * pair.distance.max(contact) / unit;
         let eta = eta(2.0 * pair.distance / contact);
-        let order = order_at(eta, order);
         let table = irregular(2 * order + 1, r);
         let (mut re, mut im) = (Vec::new(), Vec::new());
         for l in 0..=2 * order + 1 {
@@ -96,6 +132,9 @@ impl Link {
             i: pair.i,
             j: pair.j,
             order,
+            beyond_dipoles: false,
+            direction,
+            slope: 0.0,
             eta,
             re,
             im,
@@ -106,7 +145,8 @@ impl Link {
     pub fn carry(&self, out: &[Complex<f64>], into: &mut [Complex<f64>], reversed: bool, work: &mut Field) {
         work.expand(out, self.order, reversed);
         for n in 1..=self.order {
-            self.incoming(n, work);
+            let first = if self.beyond_dipoles && n == 1 { 2 } else { 1 };
+            self.incoming(n, first, work);
             for k in 0..=n {
                 let sign = if (n + k).is_multiple_of(2) { 1.0 } else { -1.0 };
                 let sign = if reversed && n % 2 == 1 { -sign } else { sign };
@@ -115,13 +155,14 @@ impl Link {
         }
     }
 
-    /// Sums over all outgoing coefficients for the incoming ones of order `n`, k = 0..=n, without (-1)^(n+k).
-    fn incoming(&self, n: usize, work: &mut Field) {
+    /// Sums over the outgoing coefficients from order `lowest` on for the incoming ones of order `n`, k = 0..=n, without
+    /// (-1)^(n+k).
+    fn incoming(&self, n: usize, lowest: usize, work: &mut Field) {
         for sum in [&mut work.sum_re, &mut work.sum_im] {
             sum.clear();
             sum.resize(n + 1, 0.0);
         }
-        for l in 1..=self.order {
+        for l in lowest..=self.order {
             let order = l + n;
             for m in -(l as isize)..=l as isize {
                 let a = (l * l + l) as isize + m;
@@ -143,7 +184,8 @@ impl Link {
         work.expand(b, self.order, false);
         let mut force = Vec3::zeros();
         for l in 1..=self.order {
-            self.incoming(l + 1, work);
+            let lowest = if self.beyond_dipoles && l == 1 { 2 } else { 1 };
+            self.incoming(l + 1, lowest, work);
             let incoming = |m: isize| {
                 let k = m.unsigned_abs();
                 let sign = if (l + 1 + k).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -161,6 +203,20 @@ impl Link {
         force
     }
 
+    /// Energy of outgoing `a` of bead i with outgoing `b` of bead j, over 4 pi mu0 unit.
+    pub fn energy(&self, a: &[Complex<f64>], b: &[Complex<f64>], work: &mut Field) -> f64 {
+        let mut into = vec![Complex::new(0.0, 0.0); a.len()];
+        self.carry(b, &mut into, false, work);
+        let mut sum = 0.0;
+        for l in 1..=self.order {
+            for m in 0..=l {
+                let (a, b) = (a[at(l, m)], into[at(l, m)]);
+                sum += if m == 0 { 1.0 } else { 2.0 } * (a.re * b.re + a.im * b.im);
+            }
+        }
+        sum
+    }
+
     /// Estimate of the force that the orders beyond the last would add, over 4 pi mu0: the energy of each bead's answer at
     /// the last order, carried on as a geometric series, times its relative slope with distance,
     /// (L + 1)/sinh(eta), and 4 for what the last order does to the others.
@@ -169,7 +225,7 @@ impl Link {
         for (out, root, reversed) in [(b, roots[0], false), (a, roots[1], true)] {
             work.expand(out, self.order, reversed);
             let mut energy = |l: usize| -> f64 {
-                self.incoming(l, work);
+                self.incoming(l, 1, work);
                 (0..=l)
                     .map(|m| {
                         let weight = if m == 0 { 1.0 } else { 2.0 };
@@ -178,10 +234,12 @@ impl Link {
                     })
                     .sum()
             };
-            let last = energy(self.order);
-            let before = if self.order > 1 { energy(self.order - 1) } else { last };
+            // Across the field an order may happen to be near zero: the ones before it stand in, reduced by the asymptotic ratio.
+            let least = (-2.0 * self.eta).exp();
+            let [last, before, third] = [0, 1, 2].map(|k| energy(self.order.saturating_sub(k).max(1)));
             let measured = if before > 0.0 { last / before } else { 0.0 };
-            let ratio = measured.clamp((-2.0 * self.eta).exp(), 0.98);
+            let ratio = measured.clamp(least, 0.98);
+            let last = last.max(before * least).max(third * least * least);
             sum += last * ratio / (1.0 - ratio);
         }
         4.0 * sum * (self.order + 1) as f64 / self.eta.sinh().max(1e-3)
