@@ -3,8 +3,8 @@
 use crate::options::Options;
 use lbm_ibm::coupling::{Soa3, UM, Vec3};
 use lbm_ibm::magnetics::{
-    Apparent, Bead, BeadSystem, FieldSource, Intrinsic, MagneticsError, Magnetisation, PairCorrected, QuasiStatic,
-    Saturation, SaturationShape, SheetPair, Sum, Uniform, chain_gaps, find_chains,
+    Apparent, Auto, Bead, BeadSystem, FieldSource, Intrinsic, MagneticsError, Magnetisation, QuasiStatic, Saturation,
+    SaturationShape, SheetPair, Sum, Uniform, chain_gaps, find_chains,
 };
 use serde::Serialize;
 use std::error::Error;
@@ -102,7 +102,7 @@ fn at_rest(bead: &Bead, field: f64, bias: f64, start: f64) -> Result<f64, Magnet
         Vec3::new(0.0, y, 2.001 * RADIUS * middle(k, n))
     };
     let x: Soa3 = (0..chains).flat_map(|c| (0..n).map(move |k| place(c, k))).collect();
-    let system = BeadSystem::new(beads.clone(), x, source, PairCorrected::new(), 1e-3)?;
+    let system = BeadSystem::new(beads.clone(), x, source, Auto::new(), 1e-3)?;
     let plates = Options::plates((2.0 * n as f64 + 0.2) * RADIUS);
     let mut rest = QuasiStatic::new(system.with_walls(plates)).with_tolerance(1e-6);
     rest.relax()?;

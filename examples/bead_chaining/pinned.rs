@@ -2,7 +2,7 @@
 
 use crate::options::Options;
 use lbm_ibm::coupling::{Soa3, UM, Vec3};
-use lbm_ibm::magnetics::{Constraint, Flow, Overdamped, PairCorrected, contact_force, find_chains, mason_number};
+use lbm_ibm::magnetics::{Auto, Constraint, Flow, Overdamped, contact_force, find_chains, mason_number};
 use serde::Serialize;
 use std::error::Error;
 
@@ -54,16 +54,10 @@ fn at(options: &Options, speed: f64) -> Result<Row, Box<dyn Error>> {
     let beads = vec![bead.clone(); n];
     let foot = -0.5 * height + a;
     let x: Soa3 = (0..n).map(|k| Vec3::z() * (foot + 2.0 * a * k as f64)).collect();
-    let mut motion = Overdamped::new(
-        beads.clone(),
-        x,
-        options.source(0.0)?,
-        PairCorrected::new(),
-        options.eta(),
-    )?
-    .with_walls(Options::plates(height))
-    .with_contact(Constraint::frictionless())
-    .in_flow(Flow::poiseuille(Vec3::zeros(), Vec3::z(), height, Vec3::x() * speed)?);
+    let mut motion = Overdamped::new(beads.clone(), x, options.source(0.0)?, Auto::new(), options.eta())?
+        .with_walls(Options::plates(height))
+        .with_contact(Constraint::frictionless())
+        .in_flow(Flow::poiseuille(Vec3::zeros(), Vec3::z(), height, Vec3::x() * speed)?);
     motion.freeze(0);
     // Long enough for the chain to lean as far as it will: the relaxation time of a chain of n beads is about n^2 that of
     // a bead, drag over attraction per radius.

@@ -3,7 +3,7 @@
 use crate::options::{FLUID_DENSITY, GRAVITY, Options};
 use lbm_ibm::coupling::{MS, Soa3, Sphere, UM, US, Vec3};
 use lbm_ibm::magnetics::{
-    Bead, Chain, Flow, Overdamped, PairCorrected, chain_gaps, chain_histogram, contact_time, find_chains, mason_number,
+    Auto, Bead, Chain, Flow, Overdamped, chain_gaps, chain_histogram, contact_time, find_chains, mason_number,
 };
 use lbm_ibm::output::BeadSeries;
 use rand_chacha::ChaCha8Rng;
@@ -75,7 +75,7 @@ pub fn run(options: &Options, flowing: bool) -> Result<(Vec<Row>, Formed), Box<d
     let volume = bead.volume() * x.len() as f64 / options.fraction;
     let spacing = (volume / x.len() as f64).cbrt();
     let speed = if flowing { options.mean_speed() } else { 0.0 };
-    let mut motion = Overdamped::new(beads.clone(), x, source, PairCorrected::new(), options.eta())?
+    let mut motion = Overdamped::new(beads.clone(), x, source, Auto::new(), options.eta())?
         .with_walls(Options::plates(height))
         .with_gravity(GRAVITY, FLUID_DENSITY)
         .in_flow(Flow::poiseuille(Vec3::zeros(), Vec3::z(), height, Vec3::x() * speed)?)

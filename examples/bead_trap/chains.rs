@@ -2,7 +2,7 @@
 
 use crate::device::{Device, PLASMA, RADIUS, ROW};
 use lbm_ibm::coupling::{Soa3, Sphere, UM, Vec3};
-use lbm_ibm::magnetics::{BeadSystem, MagneticsError, PairCorrected, QuasiStatic, chain_gaps, find_chains};
+use lbm_ibm::magnetics::{Auto, BeadSystem, MagneticsError, QuasiStatic, chain_gaps, find_chains};
 use std::sync::Arc;
 
 /// A row of chains.
@@ -53,7 +53,7 @@ pub fn at_rest(device: &Device, bias: f64, gap: f64) -> Result<Row, MagneticsErr
         device.beads()?,
         upright(gap),
         device.source(Vec3::zeros(), bias)?,
-        PairCorrected::new(),
+        Auto::new(),
         PLASMA.1,
     )?;
     let mut rest = QuasiStatic::new(system.with_walls(Arc::new(Device::plates()))).with_tolerance(1e-6);

@@ -8,7 +8,7 @@ use lbm_ibm::coupling::nalgebra::{Isometry3, UnitQuaternion};
 use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, SceneError, Soa3, UM, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel, RigidBody};
 use lbm_ibm::lbm::{Drive, Fluid, Pace};
-use lbm_ibm::magnetics::{BeadForces, PairCorrected, Uniform};
+use lbm_ibm::magnetics::{Auto, BeadForces, Uniform};
 use lbm_ibm::membrane::{Form, presets};
 use lbm_ibm::output::VtkSeries;
 use serde::Serialize;
@@ -146,6 +146,9 @@ impl<'a> Run<'a> {
         kind: Beads,
         bias: f64,
     ) -> Result<Self, Box<dyn Error>> {
+        if row.chains != ROW.0 {
+            return Err(format!("the beads stand in {} chains, the row needs {}", row.chains, ROW.0).into());
+        }
         let h = settings.resolution * UM;
         let width = Device::width(row.gap, h);
         let nodes = [LENGTH, width, HEIGHT].map(|l| (l / h).round() as usize);
@@ -192,7 +195,7 @@ impl<'a> Run<'a> {
                     .with_kind("bead", RADIUS)?
                     .with_walls(walls.clone()),
             );
-            let forces = BeadForces::new(device.source(shift, bias)?, PairCorrected::new());
+            let forces = BeadForces::new(device.source(shift, bias)?, Auto::new());
             magnets = Some(scene.add_field(forces.with_kind("bead", device.bead()?)));
         }
         let open = HEIGHT * width - (ROW.0 * ROW.1) as f64 * PI * RADIUS * RADIUS;

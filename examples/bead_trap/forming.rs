@@ -3,7 +3,7 @@
 use crate::chains::{Row, at_rest, upright};
 use crate::device::{Device, HEIGHT, PLASMA, RADIUS, ROW};
 use lbm_ibm::coupling::{Soa3, UM, Vec3};
-use lbm_ibm::magnetics::{Flow, MagneticsError, Overdamped, PairCorrected};
+use lbm_ibm::magnetics::{Auto, Flow, MagneticsError, Overdamped};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::error::Error;
@@ -67,7 +67,7 @@ pub fn form(device: &Device, bias: f64, gap: f64, speed: f64, time: f64, seed: u
         device.beads()?,
         loose,
         device.source(Vec3::zeros(), bias)?,
-        PairCorrected::new(),
+        Auto::new(),
         PLASMA.1,
     )?
     .with_walls(Arc::new(Device::plates()))
