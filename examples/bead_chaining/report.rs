@@ -58,6 +58,12 @@ fn gap_chart(rows: &[gaps::Row]) -> Chart {
     );
     rows.chunk_by(|a, b| a.beads == b.beads).fold(chart, |chart, same| {
         let points = same.iter().map(|r| (r.bias / r.sheets, r.gap / UM));
-        chart.series(&same[0].beads, Mark::Line, points)
+        // The same gaps as those of the weaker sheets: circles on their line.
+        let mark = if same[0].beads.contains("x 2") {
+            Mark::Open
+        } else {
+            Mark::Line
+        };
+        chart.series(&same[0].beads, mark, points)
     })
 }

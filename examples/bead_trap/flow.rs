@@ -155,14 +155,12 @@ impl<'a> Run<'a> {
         let grid = Grid::new(nodes, h, [true, false, false]);
         let shift = Vec3::new(ROW_AT, 0.5 * width, 0.5 * HEIGHT);
         let (density, viscosity) = PLASMA;
-        let fluid = Fluid::new(
-            grid,
-            density * settings.reynolds_scale,
-            viscosity,
-            Pace::Tau(settings.tau),
-        )?
-        .with_narrow_gaps_filled()
-        .with_drive(Drive::flux(0, settings.speed * UM))?;
+        // A cell stretched in the row, as coupled beads find it, bears half the step of one at rest.
+        let slower = if kind == Beads::Coupled { 0.5 } else { 1.0 };
+        let tau = 0.5 + slower * (settings.tau - 0.5);
+        let fluid = Fluid::new(grid, density * settings.reynolds_scale, viscosity, Pace::Tau(tau))?
+            .with_narrow_gaps_filled()
+            .with_drive(Drive::flux(0, settings.speed * UM))?;
         let guard = Guard {
             depth: 0.1 * h,
             triangle: 0.0,
@@ -365,7 +363,8 @@ impl Subject {
             return 0.0;
         };
         let then = self.track.iter().rev().find(|(t, _)| *t <= now - time);
-        then.map_or(f64::NAN, |(t, x)| (here.x - x.x) / (now - t))
+        let (t, x) = then.unwrap_or(&self.track[0]);
+        if *t < now { (here.x - x.x) / (now - t) } else { 0.0 }
     }
 }
 
