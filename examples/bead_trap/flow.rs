@@ -17,8 +17,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Length of the channel before its period (m), and where in it the row stands.
-const LENGTH: f64 = 84.0 * UM;
-const ROW_AT: f64 = 40.0 * UM;
+const LENGTH: f64 = 72.0 * UM;
+const ROW_AT: f64 = 34.0 * UM;
+/// Part of the walls that the first bead is.
+const BEAD_PART: usize = 4;
 /// Time between two looks, s.
 const EVERY: f64 = 0.5e-3;
 
@@ -104,10 +106,29 @@ pub struct Moment {
     pub pressure_drop: f64,
     /// Force of the fluid on all beads along the flow, N.
     pub fluid_force: f64,
-    /// Force of the cells on all beads along the flow, N.
-    pub cell_force: f64,
+    /// Force of the cells on all beads along the flow, N; frozen beads alone tell.
+    pub cell_force: Option<f64>,
     /// Greatest displacement of a bead from where it was, m.
     pub bend: f64,
+}
+
+/// What a frozen bead bears at the end, in SI; x is along the flow, z along the chain.
+#[derive(Clone, Debug, Serialize)]
+pub struct Load {
+    /// Number of the bead: four to a chain.
+    pub bead: usize,
+    /// Force of the fluid, N.
+    pub fluid_x: f64,
+    /// Force of the fluid, N.
+    pub fluid_y: f64,
+    /// Force of the fluid, N.
+    pub fluid_z: f64,
+    /// Force of the cells, N.
+    pub cells_x: f64,
+    /// Force of the cells, N.
+    pub cells_y: f64,
+    /// Force of the cells, N.
+    pub cells_z: f64,
 }
 
 /// How the beads are treated.
@@ -213,15 +234,24 @@ impl<'a> Run<'a> {
 }
 
 impl Run<'_> {
-    /// Puts the cells where they are in another run; those that have left it leave this one, too.
-    pub fn take_cells_from(&mut self, other: &Run<'_>) -> Result<(), SceneError> {
-        for (mine, theirs) in self.cells.iter_mut().zip(&other.cells) {
-            if theirs.gone {
-                self.scene.remove_body(mine.id)?;
-                (mine.gone, mine.absent, mine.fate) = (true, true, theirs.fate);
-            } else {
-                let x: Soa3 = other.scene.body_positions(theirs.id)?.iter().collect();
-                self.scene.set_body_positions(mine.id, x.view())?;
+    /// Where the nodes of each cell are, m; none for one that has left.
+    pub fn cell_positions(&self) -> Result<Vec<Option<Soa3>>, SceneError> {
+        let nodes = |cell: &Subject| match cell.gone {
+            true => Ok(None),
+            false => Ok(Some(self.scene.body_positions(cell.id)?.iter().collect())),
+        };
+        self.cells.iter().map(nodes).collect()
+    }
+
+    /// Puts the cells where another run has them; those that have left it leave this one, too.
+    pub fn place_cells(&mut self, positions: &[Option<Soa3>]) -> Result<(), SceneError> {
+        for (cell, x) in self.cells.iter_mut().zip(positions) {
+            match x {
+                Some(x) => self.scene.set_body_positions(cell.id, x.view())?,
+                None => {
+                    self.scene.remove_body(cell.id)?;
+                    (cell.gone, cell.absent) = (true, true);
+                }
             }
         }
         Ok(())
@@ -244,7 +274,7 @@ impl Run<'_> {
     pub fn until_settled(&mut self, time: f64, mut film: Option<&mut VtkSeries>) -> Result<(), Box<dyn Error>> {
         let end = self.scene.time() + time;
         let mut frame = self.scene.time();
-        while self.scene.time() < end && self.cells.iter().any(|c| c.fate.is_none()) {
+        while self.scene.time() < end && self.cells.iter().any(|c| !c.gone && c.fate.is_none()) {
             self.go_on(EVERY)?;
             if let Some(film) = &mut film
                 && self.scene.time() >= frame
@@ -276,13 +306,12 @@ impl Run<'_> {
                 cell.gone = true;
             }
         }
-        let about = self.shift;
         let fluid = self.scene.fluid().ok_or("the trap has a fluid")?;
-        let (mut fluid_force, mut cell_force) = (0.0, 0.0);
+        let (mut fluid_force, mut cell_force) = (0.0, None);
         if self.beads.is_empty() {
-            let loads = fluid.wall_loads(self.walls.as_ref(), time, about).unwrap_or_default();
-            fluid_force = loads.iter().skip(4).map(|w| w.force.x).sum();
-            cell_force = self.scene.loads().wall.iter().skip(4).map(|f| f.x).sum();
+            let loads = self.bead_loads();
+            fluid_force = loads.iter().map(|l| l.fluid_x).sum();
+            cell_force = Some(loads.iter().map(|l| l.cells_x).sum());
         }
         let mut bend: f64 = 0.0;
         for (id, start) in self.beads.iter().zip(self.row.centres.iter()) {
@@ -325,6 +354,29 @@ impl Run<'_> {
             }
         };
         self.cells.iter().filter(|c| !c.absent).map(|c| end(&c)).collect()
+    }
+
+    /// What each frozen bead bears now.
+    pub fn bead_loads(&self) -> Vec<Load> {
+        let time = self.scene.time();
+        let fluid = self.scene.fluid();
+        let loads = fluid.and_then(|f| f.wall_loads(self.walls.as_ref(), time, self.shift));
+        let loads = loads.unwrap_or_default();
+        let cells = &self.scene.loads().wall;
+        let load = |bead: usize| {
+            let f = loads.get(BEAD_PART + bead).map_or(Vec3::zeros(), |w| w.force);
+            let c = cells.get(BEAD_PART + bead).copied().unwrap_or_default();
+            Load {
+                bead,
+                fluid_x: f.x,
+                fluid_y: f.y,
+                fluid_z: f.z,
+                cells_x: c.x,
+                cells_y: c.y,
+                cells_z: c.z,
+            }
+        };
+        (0..self.row.centres.len()).map(load).collect()
     }
 
     /// The scene.

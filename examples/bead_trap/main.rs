@@ -11,7 +11,7 @@ mod report;
 
 use flow::{Beads, Run};
 use lbm_ibm::coupling::{MS, Sphere, UM, US};
-use lbm_ibm::output::{BeadSeries, OutputError, VtkSeries, write_walls};
+use lbm_ibm::output::{BeadSeries, OutputError, VtkSeries, write_csv, write_walls};
 use options::Options;
 use std::error::Error;
 use std::time::Instant;
@@ -55,12 +55,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("3. frozen beads, {:.0} s:", started.elapsed().as_secs_f64());
     report::print(&frozen, 0);
+    write_csv(&options.out.join("loads.csv"), frozen.bead_loads())?;
     let mut ends = frozen.ends();
     let mut moments = std::mem::take(&mut frozen.moments);
 
     let started = Instant::now();
     let mut coupled = Run::new(&device, &options.flow, &row, Beads::Coupled, bias)?;
-    coupled.take_cells_from(&frozen)?;
+    coupled.place_cells(&frozen.cell_positions()?)?;
     let mut film = series("coupled")?;
     coupled.until_settled(options.coupled * MS, film.as_mut())?;
     println!(

@@ -22,10 +22,10 @@ pub struct Options {
     #[arg(long, default_value_t = 160.0)]
     pub time: f64,
     /// Time that beads are coupled to the flow, ms.
-    #[arg(long, default_value_t = 12.0)]
+    #[arg(long, default_value_t = 10.0)]
     pub coupled: f64,
     /// Time after the magnets are switched off, ms.
-    #[arg(long, default_value_t = 12.0)]
+    #[arg(long, default_value_t = 8.0)]
     pub release: f64,
     /// Seed of the scatter.
     #[arg(long, default_value_t = 1)]

@@ -33,11 +33,12 @@ pub fn print(run: &Run<'_>, from: usize) {
     if let Some(last) = run.moments.last() {
         let bend = run.moments[from..].iter().map(|m| m.bend).fold(0.0, f64::max);
         println!(
-            "   at {:.0} ms: pressure drop {:.2} Pa, fluid on beads {:.0} pN, cells on beads {:.0} pN, beads displaced by at most {:.2} um",
+            "   at {:.0} ms: pressure drop {:.2} Pa, fluid on beads {:.0} pN,{} beads displaced by at most {:.2} um",
             last.time / MS,
             last.pressure_drop,
             last.fluid_force / PN,
-            last.cell_force / PN,
+            last.cell_force
+                .map_or(String::new(), |f| format!(" cells on beads {:.0} pN,", f / PN)),
             bend / UM
         );
     }

@@ -26,10 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let points = study::run_all(&options)?;
     let window = study::window(&points);
     report::print(&points, window.as_ref());
-    let released = match &window {
-        Some(window) => Some(study::release(&options, window.bias)?),
-        None => None,
-    };
+    let chosen = window.as_ref().and_then(|w| points.iter().find(|p| p.bias == w.bias));
+    let released = chosen.map(|point| study::release(&options, point)).transpose()?;
     if let Some(released) = &released {
         println!(
             "magnets off at {:.1} mT of bias: {:.0} ms later the tumour cell is at {:.1} um, beads have gone up to {:.1} um",

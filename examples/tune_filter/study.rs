@@ -3,7 +3,7 @@
 use crate::chains::{self, Row};
 use crate::flow::{Beads, End, Fate, Moment, Run};
 use crate::options::Options;
-use lbm_ibm::coupling::{MS, UM};
+use lbm_ibm::coupling::{MS, Soa3, UM};
 use serde::Serialize;
 use std::error::Error;
 use std::sync::Mutex;
@@ -24,6 +24,9 @@ pub struct Point {
     /// Wall-clock time, s.
     #[serde(skip)]
     pub seconds: f64,
+    /// The row, and the cells' nodes at the end (m).
+    #[serde(skip)]
+    end: (Row, Vec<Option<Soa3>>),
 }
 
 /// The fields that separate the cells, T.
@@ -35,7 +38,7 @@ pub struct Window {
     pub most: f64,
     /// Least field tried above it at which the tumour cell passes, if there is one.
     pub passes: Option<f64>,
-    /// Field to take: the middle of the window.
+    /// Field to take: the middle one of those that separate.
     pub bias: f64,
 }
 
@@ -104,13 +107,9 @@ pub fn run_all(options: &Options) -> Result<Vec<Point>, Box<dyn Error>> {
     Ok(done.into_iter().filter_map(|d| d.into_inner().ok().flatten()).collect())
 }
 
-fn row(options: &Options, bias: f64) -> Result<Row, Box<dyn Error>> {
-    Ok(chains::at_rest(&options.device, bias, 3.0 * UM)?)
-}
-
 fn at(options: &Options, bias: f64) -> Result<Point, Box<dyn Error>> {
     let clock = Instant::now();
-    let row = row(options, bias)?;
+    let row = chains::at_rest(&options.device, bias, 3.0 * UM)?;
     let mut run = Run::new(&options.device, &options.flow, &row, Beads::Frozen, bias)?;
     run.until_settled(options.time * MS, None)?;
     let developed = run.moments.iter().filter(|m| m.time > 10.0 * MS);
@@ -120,14 +119,15 @@ fn at(options: &Options, bias: f64) -> Result<Point, Box<dyn Error>> {
         ends: run.ends(),
         pressure_drop: developed.map(|m| m.pressure_drop).fold(0.0, f64::max),
         seconds: clock.elapsed().as_secs_f64(),
+        end: (row.clone(), run.cell_positions()?),
     })
 }
 
 /// Which of the fields separate the cells; none if none does.
 pub fn window(points: &[Point]) -> Option<Window> {
-    let good = || points.iter().filter(|p| p.separates()).map(|p| p.bias);
-    let least = good().reduce(f64::min)?;
-    let most = good().fold(least, f64::max);
+    let mut good: Vec<f64> = points.iter().filter(|p| p.separates()).map(|p| p.bias).collect();
+    good.sort_by(f64::total_cmp);
+    let (least, most) = (*good.first()?, *good.last()?);
     let passes = points
         .iter()
         .filter(|p| p.bias > most && p.fate("ctc") == Fate::Pass)
@@ -137,17 +137,15 @@ pub fn window(points: &[Point]) -> Option<Window> {
         least,
         most,
         passes,
-        bias: 0.5 * (least + most),
+        bias: good[good.len() / 2],
     })
 }
 
-/// Cells flow against the row at `bias` (T) until the tumour cell is held, then with beads that can move, then without field.
-pub fn release(options: &Options, bias: f64) -> Result<Released, Box<dyn Error>> {
-    let row = row(options, bias)?;
-    let mut frozen = Run::new(&options.device, &options.flow, &row, Beads::Frozen, bias)?;
-    frozen.until_settled(options.time * MS, None)?;
-    let mut run = Run::new(&options.device, &options.flow, &row, Beads::Coupled, bias)?;
-    run.take_cells_from(&frozen)?;
+/// From where the tumour cell is held at one of the fields, with beads that can move, then without field.
+pub fn release(options: &Options, point: &Point) -> Result<Released, Box<dyn Error>> {
+    let ((row, cells), bias) = (&point.end, point.bias);
+    let mut run = Run::new(&options.device, &options.flow, row, Beads::Coupled, bias)?;
+    run.place_cells(cells)?;
     run.until_settled(options.coupled * MS, None)?;
     let off = run.scene().time();
     run.switch_off();
