@@ -7,6 +7,7 @@ mod channel;
 mod draw;
 mod front;
 mod kernels;
+mod magnetics;
 mod time;
 
 pub use front::front;
@@ -39,11 +40,22 @@ pub struct Chart {
 }
 
 /// All charts.
-pub const CHARTS: &[Chart] = &[channel::DUCT, channel::PLANE, channel::START_UP, kernels::KERNELS];
+pub const CHARTS: &[Chart] = &[
+    channel::DUCT,
+    channel::PLANE,
+    channel::START_UP,
+    kernels::KERNELS,
+    magnetics::PAIRS,
+    magnetics::CHAINS,
+    magnetics::CLUSTERS,
+    magnetics::FAR_FIELD,
+];
 
 /// A point of a chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
+    /// What is computed; each case has a front of its own. Empty where the chart has one case.
+    pub case: String,
     /// The curve it belongs to; curves come in the order in which they first appear.
     pub curve: String,
     /// What tells it from the others of its curve.
@@ -71,18 +83,42 @@ impl Row {
 
 /// Names of the curves, in the order in which they appear.
 fn curves(rows: &[Row]) -> Vec<&str> {
-    let mut names: Vec<&str> = Vec::new();
-    for row in rows {
-        if !names.contains(&row.curve.as_str()) {
-            names.push(&row.curve);
+    names(rows.iter().map(|r| r.curve.as_str()))
+}
+
+/// Names of the cases, in the order in which they appear.
+fn cases(rows: &[Row]) -> Vec<&str> {
+    names(rows.iter().map(|r| r.case.as_str()))
+}
+
+fn names<'a>(all: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut names = Vec::new();
+    for name in all {
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
     names
 }
 
+/// Which rows are on the front of their case.
+fn fronts(rows: &[Row]) -> Vec<bool> {
+    let mut best = vec![false; rows.len()];
+    for case in cases(rows) {
+        let of: Vec<usize> = (0..rows.len()).filter(|i| rows[*i].case == case).collect();
+        let points: Vec<_> = of.iter().map(|&i| (rows[i].cost_s, rows[i].error)).collect();
+        for (i, on) in of.into_iter().zip(front(&points, NOISE)) {
+            best[i] = on;
+        }
+    }
+    best
+}
+
 /// A row as the file has it.
 #[derive(Serialize)]
 struct Record<'a> {
+    #[serde(skip_serializing_if = "str::is_empty")]
+    case: &'a str,
     curve: &'a str,
     label: &'a str,
     cost_s: String,
@@ -100,8 +136,8 @@ impl Chart {
     /// Computes the chart and writes `NAME.csv` and `NAME.svg` into a folder, which is made if need be. Returns the
     /// rows and which of them are on the front.
     ///
-    /// The columns are curve, label, cost_s (s), updates, error and front, whether the row is on the Pareto front of cost
-    /// and error, differences of 5 % apart.
+    /// The columns are case (if there are several), curve, label, cost_s (s), updates, error and front, whether the row is on its case's
+    /// Pareto front of cost and error, differences of 5 % apart.
     ///
     /// # Errors
     /// Those of the cases; a cost or an error that is not a number; a file that cannot be written.
@@ -112,11 +148,11 @@ impl Chart {
             .map_err(|e| format!("chart {}: {e}", self.name))?;
         let order: Vec<String> = curves(&rows).into_iter().map(str::to_owned).collect();
         rows.sort_by_key(|row| order.iter().position(|name| *name == row.curve));
-        let points: Vec<_> = rows.iter().map(|r| (r.cost_s, r.error)).collect();
-        let best = front(&points, NOISE);
+        let best = fronts(&rows);
         fs::create_dir_all(folder).map_err(|e| format!("cannot make {}: {e}", folder.display()))?;
         let path = |extension: &str| -> PathBuf { folder.join(format!("{}.{extension}", self.name)) };
         let records = rows.iter().zip(&best).map(|(row, &front)| Record {
+            case: &row.case,
             curve: &row.curve,
             label: &row.label,
             cost_s: format!("{:.3e}", row.cost_s),
@@ -148,8 +184,29 @@ mod tests {
     }
 
     #[test]
+    fn every_case_has_a_front_of_its_own() {
+        let row = |case: &str, cost_s, error| Row {
+            case: case.into(),
+            curve: "a".into(),
+            label: "b".into(),
+            cost_s,
+            updates: 1.0,
+            error,
+        };
+        // What is hard costs more and errs more than anything easy; the second of it is beaten by the third.
+        let rows = [
+            row("easy", 1.0, 1.0),
+            row("hard", 2.0, 3.0),
+            row("hard", 3.0, 3.0),
+            row("hard", 3.0, 2.0),
+        ];
+        assert_eq!(fronts(&rows), [true, true, false, true]);
+    }
+
+    #[test]
     fn a_case_that_has_diverged_is_named() {
         let row = |cost_s, error| Row {
+            case: String::new(),
             curve: "BGK".into(),
             label: "tau 9".into(),
             cost_s,

@@ -3,7 +3,6 @@
 //! `cargo run --release -p lbm-ibm-benches --bin validate -- --help`, and the same with `--bin speed`.
 
 pub mod chart;
-pub mod charts_magnetics;
 pub mod reference;
 pub mod scenes;
 pub mod speed;

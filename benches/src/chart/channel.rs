@@ -171,6 +171,7 @@ fn steady(section: Section, quick: bool) -> Result<Vec<Row>, Fault> {
             let mean = settle(&mut fluid, &bricks, window)?;
             let steps = fluid.steps() as f64;
             rows.push(Row {
+                case: String::new(),
                 curve: curve.into(),
                 label: format!("{n} cells"),
                 cost_s: steps * seconds,
@@ -228,6 +229,7 @@ fn start_up(quick: bool) -> Result<Vec<Row>, Fault> {
                 all += exact * exact;
             }
             rows.push(Row {
+                case: String::new(),
                 curve: curve.into(),
                 label: format!("tau {tau}"),
                 cost_s: steps * seconds,

@@ -1,6 +1,6 @@
 //! Charts as SVG: both axes logarithmic, a line per curve, the Pareto front behind them.
 
-use super::{Chart, Row, curves};
+use super::{Chart, Row, cases, curves};
 use crate::Fault;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
@@ -65,7 +65,7 @@ fn draw(area: &Area, chart: &Chart, rows: &[Row], front: &[bool]) -> Result<(), 
     draw_legend(&legend, &names)?;
     let [x, y] = [
         Axis::new(rows.iter().map(|r| place(r).0)).with_labels(),
-        Axis::new(rows.iter().map(|r| place(r).1)),
+        Axis::new(rows.iter().map(|r| place(r).1)).with_labels(),
     ];
     let mut plane = ChartBuilder::on(&plot)
         .caption(chart.title, ("sans-serif", 21).into_font().color(&INK))
@@ -86,7 +86,10 @@ fn draw(area: &Area, chart: &Chart, rows: &[Row], front: &[bool]) -> Result<(), 
 
     let mut best: Vec<_> = rows.iter().zip(front).filter(|(_, f)| **f).map(|(r, _)| r).collect();
     best.sort_by(|a, b| a.cost_s.total_cmp(&b.cost_s));
-    plane.draw_series(LineSeries::new(best.iter().map(|r| place(r)), BAND.stroke_width(9)))?;
+    for case in cases(rows) {
+        let line = best.iter().filter(|r| r.case == case).map(|r| place(r));
+        plane.draw_series(LineSeries::new(line, BAND.stroke_width(9)))?;
+    }
     for (i, name) in names.iter().enumerate() {
         let points: Vec<_> = rows.iter().filter(|r| r.curve == *name).map(place).collect();
         plane.draw_series(LineSeries::new(points.iter().copied(), COLOURS[i % 7].stroke_width(1)))?;

@@ -48,6 +48,7 @@ fn radii(quick: bool) -> Result<Vec<Row>, Fault> {
             for (correction, shift) in [("", 0.0), (", corrected", kernel.hydrodynamic_shift())] {
                 let squares: f64 = acts.iter().map(|a| (a / (radius + shift) - 1.0).powi(2)).sum();
                 rows.push(Row {
+                    case: String::new(),
                     curve: format!("{curve}{correction}"),
                     label: format!("{radius} spacings"),
                     cost_s,

@@ -10,14 +10,15 @@ const BURST: Duration = Duration::from_micros(500);
 pub type Work<'a> = Box<dyn FnMut() -> Result<(), Fault> + 'a>;
 
 /// Seconds of one call of each work: the lower quartile of 64 bursts (of a quick run 8) of half a millisecond or one call,
-/// for what disturbs a machine only ever adds. The works take turns, so that it disturbs all alike and ratios are truer
-/// than the seconds.
+/// for what disturbs a machine only ever adds. A first call, which may build tables, does not count. The works take turns,
+/// so that it disturbs all alike and ratios are truer than the seconds.
 ///
 /// # Errors
 /// The first one of the works.
 pub fn seconds_per_call(quick: bool, works: &mut [Work]) -> Result<Vec<f64>, Fault> {
     let mut calls = Vec::with_capacity(works.len());
     for work in works.iter_mut() {
+        work()?;
         let (mut count, begin) = (0_u32, Instant::now());
         while count == 0 || begin.elapsed() < BURST {
             work()?;

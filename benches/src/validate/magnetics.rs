@@ -2,6 +2,7 @@
 //!
 //! Tables are in units of the radius a, the applied field H0, mu0 H0^2 a^2 for forces and 4 pi a^3 H0 for moments.
 
+mod chains_at_rest;
 mod clusters;
 mod fields;
 mod motion;
