@@ -44,6 +44,26 @@ impl CellRepulsion {
         self.list.build(view.x, view.domain, self.law.cutoff());
     }
 
+    /// Whether any two bodies could touch: spheres about their nodes come within the cut-off.
+    fn any_near(&self, view: &View<'_>) -> bool {
+        let counts = view.bodies.iter().filter(|b| !self.except.contains(&b.kind));
+        let ball = |b: &BodyInfo| {
+            let centre = b.range.clone().map(|i| view.x.get(i)).sum::<Vec3>() / b.range.len().max(1) as f64;
+            let squares = b.range.clone().map(|i| (view.x.get(i) - centre).norm_squared());
+            (centre, squares.fold(0.0, f64::max).sqrt())
+        };
+        let balls: Vec<(Vec3, f64)> = counts.map(ball).collect();
+        // Many bodies are crowded: the search by cells is the faster one.
+        balls.len() > 32
+            || balls.iter().enumerate().any(|(k, (a, ra))| {
+                balls[..k].iter().any(|(b, rb)| {
+                    // Not a number is near: nothing is left out.
+                    let apart = view.domain.shortest(a - b).norm() > ra + rb + self.law.cutoff();
+                    !apart
+                })
+            })
+    }
+
     /// Calls `touch(i, j, direction from j to i, distance)` for every pair within reach.
     fn for_each_contact(&self, view: &View<'_>, mut touch: impl FnMut(usize, usize, Vec3, f64)) {
         self.list.for_each_pair(|i, j| {
@@ -66,7 +86,7 @@ impl ForceField for CellRepulsion {
     }
 
     fn add_loads(&mut self, view: &View<'_>, loads: &mut Loads) {
-        if view.bodies.len() < 2 {
+        if view.bodies.len() < 2 || !self.any_near(view) {
             return;
         }
         self.find(view);
@@ -78,7 +98,7 @@ impl ForceField for CellRepulsion {
     }
 
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {
-        if view.bodies.len() < 2 {
+        if view.bodies.len() < 2 || !self.any_near(view) {
             return Some(0.0);
         }
         self.find(view);
