@@ -47,7 +47,7 @@ pub struct Settings {
 pub enum Fate {
     /// Its rearmost node is one cell radius behind the row.
     Pass,
-    /// It stands still in the row.
+    /// It stands still in the row, its middle not behind it.
     Held,
     /// Neither within the time.
     Undecided,
@@ -403,7 +403,10 @@ impl Subject {
         }
         if tail >= RADIUS + self.radius {
             self.fate = Some((Fate::Pass, time));
-        } else if self.touched.is_some_and(|t| time - t > 2.0 * entry) && self.speed(2.0 * entry).abs() < slow {
+        } else if self.touched.is_some_and(|t| time - t > 2.0 * entry)
+            && x.mean().x - row < RADIUS
+            && self.speed(2.0 * entry).abs() < slow
+        {
             self.fate = Some((Fate::Held, time));
         }
         Ok(())

@@ -35,7 +35,7 @@ pub fn print(points: &[Point], window: Option<&Window>) {
                 None => String::new(),
             };
             println!(
-                "red cells pass and tumour cells are held from {:.1} to {:.1} mT{above}: take {:.1} mT",
+                "red cells pass and tumour cells do not from {:.1} to {:.1} mT{above}: take {:.1} mT",
                 w.least * 1e3,
                 w.most * 1e3,
                 w.bias * 1e3
@@ -70,7 +70,7 @@ pub fn write(
     let kinds = [
         ("tumour cell held", Fate::Held, Mark::Point),
         ("tumour cell passes", Fate::Pass, Mark::Open),
-        ("undecided", Fate::Undecided, Mark::Open),
+        ("tumour cell not through in time", Fate::Undecided, Mark::Point),
     ];
     let chart = kinds.into_iter().fold(chart, |chart, (label, fate, mark)| {
         let own = points.iter().filter(|p| p.fate("ctc") == fate);

@@ -32,7 +32,7 @@ pub struct Point {
 /// The fields that separate the cells, T.
 #[derive(Clone, Debug, Serialize)]
 pub struct Window {
-    /// Least field tried at which the red cell passes and the tumour cell is held.
+    /// Least field tried at which the red cell passes and the tumour cell does not within the time.
     pub least: f64,
     /// Greatest field tried of which the same holds.
     pub most: f64,
@@ -64,8 +64,9 @@ impl Point {
         end.map_or(Fate::Undecided, |e| e.fate)
     }
 
+    /// The red cell has passed and the tumour cell has not, held or still on its way.
     fn separates(&self) -> bool {
-        self.fate("rbc") == Fate::Pass && self.fate("ctc") == Fate::Held
+        self.fate("rbc") == Fate::Pass && self.fate("ctc") != Fate::Pass
     }
 }
 
