@@ -7,6 +7,7 @@ mod channel;
 mod draw;
 mod front;
 mod kernels;
+mod spheres;
 mod time;
 
 pub use front::front;
@@ -39,7 +40,13 @@ pub struct Chart {
 }
 
 /// All charts.
-pub const CHARTS: &[Chart] = &[channel::DUCT, channel::PLANE, channel::START_UP, kernels::KERNELS];
+pub const CHARTS: &[Chart] = &[
+    channel::DUCT,
+    channel::PLANE,
+    channel::START_UP,
+    kernels::KERNELS,
+    spheres::SPHERES,
+];
 
 /// A point of a chart.
 #[derive(Clone, Debug, PartialEq)]
