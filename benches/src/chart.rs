@@ -8,6 +8,7 @@ mod draw;
 mod front;
 mod kernels;
 mod magnetics;
+mod spheres;
 mod time;
 
 pub use front::front;
@@ -49,6 +50,7 @@ pub const CHARTS: &[Chart] = &[
     magnetics::CHAINS,
     magnetics::CLUSTERS,
     magnetics::FAR_FIELD,
+    spheres::SPHERES,
 ];
 
 /// A point of a chart.

@@ -1,6 +1,7 @@
 //! The cases of `validate`: most have the name of a reference file and compute every row of it, the others check what a
 //! scene has to keep.
 
+pub(crate) mod arrays;
 mod cells;
 mod channel;
 mod coupling;
@@ -9,11 +10,13 @@ mod finding;
 mod kernels;
 mod leak;
 mod magnetics;
+mod pores;
 mod profile;
 mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
 mod stretch;
+mod unsteady;
 
 pub use finding::{Finding, Findings};
 
@@ -44,6 +47,12 @@ pub const CASES: &[(&str, Case)] = &[
     ("poiseuille_wall_slip", Case::Rows(channel::poiseuille_wall_slip)),
     ("duct_flow", Case::Rows(duct::duct_flow)),
     ("square_duct_profile", Case::Rows(duct::square_duct_profile)),
+    ("inclined_channel", Case::Alone(arrays::inclined_channel)),
+    ("sphere_array_drag", Case::Rows(arrays::sphere_array_drag)),
+    ("cylinder_array_drag", Case::Rows(arrays::cylinder_array_drag)),
+    ("slit_pore_resistance", Case::Rows(pores::slit_pore_resistance)),
+    ("womersley", Case::Rows(unsteady::womersley)),
+    ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),

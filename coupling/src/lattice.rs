@@ -58,6 +58,13 @@ pub struct WallReport {
     pub narrowest: Option<(usize, usize)>,
     /// Nodes in gaps too narrow to carry a flow that were made solid, where the fluid was told to do so.
     pub filled_nodes: usize,
+    /// Links that take the wall to be half way, for want of a second fluid node to find it from, where the fluid would
+    /// interpolate.
+    pub uninterpolated_links: usize,
+    /// Links between two fluid nodes that a wall thinner than a cell parts.
+    pub thin_links: usize,
+    /// Neighbouring nodes in two walls with a gap between them that is too narrow for a node, and lost.
+    pub closed_gaps: usize,
 }
 
 /// Velocity, pressure and solid mask on the whole grid, x fastest, for files and pictures.

@@ -58,7 +58,7 @@ impl Drive {
     }
 }
 
-/// Momentum of all fluid nodes in one step, lattice units.
+/// Momentum of all fluid nodes in one step, and mass, lattice units.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Balance {
     /// Before collision.
@@ -67,6 +67,8 @@ pub struct Balance {
     pub bodies: [f64; 3],
     /// What walls add.
     pub walls: [f64; 3],
+    /// Mass that interpolated links add.
+    pub gained: f64,
 }
 
 impl Balance {
@@ -77,6 +79,7 @@ impl Balance {
             self.bodies[a] += other.bodies[a];
             self.walls[a] += other.walls[a];
         }
+        self.gained += other.gained;
     }
 
     /// Momentum after the step along `axis`, `drive` being what the uniform force has added.

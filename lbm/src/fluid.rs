@@ -2,10 +2,12 @@
 
 use crate::drive::{Balance, Drive};
 use crate::error::LbmError;
+use crate::interpolate::Exchanged;
 use crate::isa::{InstructionSet, Kernels};
 use crate::links::Links;
 use crate::mask::Mask;
 use crate::relaxation::{Coefficients, Collision};
+use crate::rule::WallRule;
 use crate::storage::Storage;
 use lbm_ibm_coupling::{Grid, Lattice, Vec3};
 
@@ -22,7 +24,7 @@ pub enum Pace {
     Tau(f64),
 }
 
-/// A viscous fluid on a grid by the lattice-Boltzmann method: D3Q19, f64, in place, halfway bounce-back at walls.
+/// A viscous fluid on a grid by the lattice-Boltzmann method: D3Q19, f64, in place, walls by a [`WallRule`].
 ///
 /// ```
 /// use lbm_ibm_coupling::{Bricks, Grid, Lattice};
@@ -50,6 +52,7 @@ pub struct Fluid {
     pub(crate) collision: Collision,
     pub(crate) inertia: bool,
     pub(crate) fill_narrow: bool,
+    pub(crate) wall_rule: WallRule,
     pub(crate) mach_limit: f64,
     pub(crate) drive: Drive,
     pub(crate) kernels: Kernels,
@@ -58,6 +61,10 @@ pub struct Fluid {
     pub(crate) mask: Mask,
     pub(crate) links: Links,
     pub(crate) balances: Vec<Balance>,
+    /// What thin walls have sent and got in the last step.
+    pub(crate) exchanged: Vec<Exchanged>,
+    /// Mass that interpolated links have gained and not given back, after the last step and the one before, lattice units.
+    pub(crate) owed: [f64; 2],
     pub(crate) odd: bool,
     pub(crate) at_rest: bool,
     pub(crate) steps: u64,
@@ -116,12 +123,15 @@ impl Fluid {
             collision: Collision::default(),
             inertia: true,
             fill_narrow: false,
+            wall_rule: WallRule::default(),
             mach_limit: 0.5,
             drive: Drive::default(),
             kernels: Kernels::best(),
             coefficients: Coefficients::new(Collision::default(), tau, true),
             links: Links::default(),
             balances: Vec::new(),
+            exchanged: Vec::new(),
+            owed: [0.0; 2],
             odd: false,
             at_rest: true,
             steps: 0,
@@ -160,6 +170,12 @@ impl Fluid {
     /// touch. Contact still has the true walls. Call it before the walls are set.
     pub fn with_narrow_gaps_filled(mut self) -> Self {
         self.fill_narrow = true;
+        self
+    }
+
+    /// Where walls are taken to be, [`WallRule::Halfway`] by default. It holds for walls that are set from then on.
+    pub fn with_wall_rule(mut self, rule: WallRule) -> Self {
+        self.wall_rule = rule;
         self
     }
 
@@ -221,6 +237,11 @@ impl Fluid {
     /// The collision.
     pub fn collision(&self) -> Collision {
         self.collision
+    }
+
+    /// Where walls are taken to be.
+    pub fn wall_rule(&self) -> WallRule {
+        self.wall_rule
     }
 
     /// Relaxation time, in time steps.

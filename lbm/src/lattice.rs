@@ -2,7 +2,8 @@
 
 use crate::drive::{Balance, Drive};
 use crate::fluid::Fluid;
-use crate::links::Row;
+use crate::interpolate::{Interpolate, thin_balance};
+use crate::links::{Links, Row};
 use crate::mask::Mask;
 use crate::parallel;
 use crate::step::Step;
@@ -13,6 +14,8 @@ use std::sync::Arc;
 
 /// With fewer nodes a step is over before a second thread has woken up.
 const FEW_NODES: usize = 8192;
+/// Fraction of the mass that interpolated links have gained which they give back in a step.
+const PAYBACK: f64 = 1.0 / 256.0;
 /// Rows that a thread takes at a time.
 const PIECE: usize = 16;
 
@@ -49,6 +52,9 @@ impl Lattice for Fluid {
             wall_links: self.links.walls.len(),
             narrowest,
             filled_nodes,
+            uninterpolated_links: self.links.uninterpolated,
+            thin_links: self.links.thin.len(),
+            closed_gaps: self.links.closed_gaps,
         })
     }
 
@@ -86,6 +92,7 @@ impl Lattice for Fluid {
             // SAFETY: each row is worked on once, and `self` is exclusive.
             unsafe { step.rows(first, balances) }
         });
+        self.interpolate();
         self.odd = !self.odd;
         self.steps += 1;
         self.balance(bricks)
@@ -146,6 +153,43 @@ impl Lattice for Fluid {
 }
 
 impl Fluid {
+    /// Sends populations back from walls that are not half way or thinner than a cell.
+    fn interpolate(&mut self) {
+        let Links { cuts, thin, .. } = &self.links;
+        if cuts.is_empty() && thin.is_empty() {
+            return;
+        }
+        // Averaged over two steps, or it would feed what changes sign in every step.
+        let owed = 0.5 * (self.owed[0] + self.owed[1]);
+        let shrink = if self.links.swell > 0.0 {
+            PAYBACK * owed / self.links.swell
+        } else {
+            0.0
+        };
+        let interpolate = Interpolate {
+            storage: &self.storage,
+            links: &self.links,
+            odd: self.odd,
+            shrink,
+        };
+        parallel::for_pieces(cuts.len() < FEW_NODES, &mut self.balances, PIECE, |first, balances| {
+            // SAFETY: all rows are done, each is worked on once, and `self` is exclusive.
+            unsafe { interpolate.rows(first, balances) }
+        });
+        parallel::for_pieces(
+            thin.len() < FEW_NODES,
+            &mut self.exchanged,
+            FEW_NODES,
+            |first, exchanged| {
+                // SAFETY: as above, of walls.
+                unsafe { interpolate.thin(first, exchanged) }
+            },
+        );
+        let gained = self.balances.iter().map(|b| b.gained).sum::<f64>();
+        let gained = gained + thin_balance(thin, &self.exchanged).gained;
+        self.owed = [self.owed[0] + gained, self.owed[0]];
+    }
+
     fn read_brick(&self, brick: &[usize; 3], force: [&[f64]; 3], to: [&mut [f64]; 3]) {
         let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
         let (unit, scale) = (self.velocity_unit(), self.force_scale());
@@ -178,6 +222,7 @@ impl Fluid {
         for balance in &self.balances {
             sum.add(balance);
         }
+        sum.add(&thin_balance(&self.links.thin, &self.exchanged));
         self.bodies = sum.bodies;
         let Drive::Flux(target) = self.drive else { return Ok(()) };
         let (nodes, all) = (self.mask.fluid_nodes as f64, self.grid.len() as f64);

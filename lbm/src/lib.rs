@@ -1,8 +1,9 @@
 //! The lattice-Boltzmann fluid of lbm-ibm: D3Q19, f64, in place, vectorised and threaded.
 //!
 //! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT or BGK
-//! ([`Collision`]) with the force of Guo, Zheng and Shi (2002); walls are halfway bounce-back from any
-//! [`lbm_ibm_coupling::Boundary`], at rest or sliding on themselves; a force density or a flux ([`Drive`]) drives it.
+//! ([`Collision`]) with the force of Guo, Zheng and Shi (2002); walls are taken from any [`lbm_ibm_coupling::Boundary`], at
+//! rest or sliding on themselves, half way between nodes or where they are ([`WallRule`]); a force density or a flux
+//! ([`Drive`]) drives it.
 //!
 //! A step reads and writes each population once, in place (the "AA pattern", Bailey et al. 2009): in an even step a node
 //! finds its populations at home and leaves them there, swapped; in an odd one it finds them in its neighbours, where
@@ -14,6 +15,7 @@ mod d3q19;
 mod drive;
 mod error;
 mod fluid;
+mod interpolate;
 mod isa;
 mod lattice;
 mod links;
@@ -21,13 +23,16 @@ mod loads;
 mod mask;
 mod parallel;
 mod relaxation;
+mod rule;
 mod simd;
 mod state;
 mod step;
 mod storage;
+mod surface;
 
 pub use drive::Drive;
 pub use error::LbmError;
 pub use fluid::{Fluid, LEAST_TAU, Pace};
 pub use isa::InstructionSet;
 pub use relaxation::Collision;
+pub use rule::WallRule;

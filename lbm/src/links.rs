@@ -5,11 +5,16 @@
 //! `i` (the *home*), which in turn nobody else uses in an odd step. Copying home to ghost after an even step and ghost to
 //! home after an odd one is halfway bounce-back; a wall that slides adds `6 w_i c_i.u_wall` on the way. The ends of a
 //! row that repeats are ghosts in the same way, with the home at the other end.
+//!
+//! A wall between two fluid nodes `x` and `z = x - c_i` parts the two places `(x, i)` and `(z, opposite(i))` that they
+//! would share: exchanging what is in them is halfway bounce-back on both sides. Such links, and what interpolation adds
+//! to the others, come after all rows have collided; see [`crate::interpolate`].
 
-use crate::d3q19::{C, Q, along, opposite, weight};
+use crate::d3q19::{C, Q, opposite, weight};
 use crate::mask::Mask;
+use crate::rule::{Shares, WallRule};
 use crate::storage::Storage;
-use lbm_ibm_coupling::{Boundary, Grid, Vec3};
+use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
 
 /// Two places of the same population.
@@ -21,12 +26,41 @@ pub struct Link {
     pub home: usize,
 }
 
+/// What interpolation adds to a link.
+#[derive(Clone, Copy)]
+pub struct Cut {
+    /// The link.
+    pub link: Link,
+    /// The node's own place of the outgoing population, and that of the returning one at the node behind. After an even
+    /// step the first holds what leaves the wall and the second what arrives from behind, after an odd one the reverse.
+    pub near: usize,
+    pub behind: usize,
+    pub shares: Shares,
+    /// What a wall that swells by one lattice unit of velocity would add.
+    pub swell: f64,
+    /// The population that comes back from the wall.
+    pub direction: usize,
+}
+
+/// One side of a wall between two fluid nodes. The ghost of its link is another place than the home of the other side
+/// only across the ends of a row.
+#[derive(Clone, Copy)]
+pub struct Side {
+    pub cut: Cut,
+    /// What a sliding wall adds.
+    pub push: f64,
+    /// The node, and where its link meets the wall.
+    pub node: [usize; 3],
+    pub fraction: f64,
+}
+
 /// A row with fluid nodes: where its parts stand in the lists of [`Links`].
 pub struct Row {
     pub j: usize,
     pub k: usize,
     pub runs: Range<usize>,
     pub walls: Range<usize>,
+    pub cuts: Range<usize>,
     pub wraps_out: Range<usize>,
     pub wraps_in: Range<usize>,
 }
@@ -43,38 +77,74 @@ pub struct Links {
     pub directions: Vec<u8>,
     /// What a sliding wall adds to it; empty where no wall slides.
     pub pushes: Vec<f64>,
+    /// Where the link meets the wall, as a fraction of its length; empty where all do half way.
+    pub fractions: Vec<f64>,
+    /// Links that are interpolated.
+    pub cuts: Vec<Cut>,
+    /// Both sides of walls between fluid nodes.
+    pub thin: Vec<[Side; 2]>,
+    /// What all interpolated links would add to the mass if the walls swelled by one lattice unit of velocity.
+    pub swell: f64,
     /// Ends of rows: homes in this row, to copy after an even step.
     pub wraps_out: Vec<Link>,
     /// Ends of rows: ghosts used by this row, to copy after an odd step.
     pub wraps_in: Vec<Link>,
+    /// Links that are halfway for want of a node behind.
+    pub uninterpolated: usize,
+    /// Gaps without a node.
+    pub closed_gaps: usize,
 }
 
-/// What the links need to know of a sliding wall.
-pub struct Sliding<'a> {
-    pub walls: Option<&'a dyn Boundary>,
-    pub t: f64,
-    /// Lattice units of velocity, m/s.
-    pub velocity_unit: f64,
+/// What links are made from.
+pub struct Maker<'a> {
+    pub surface: Surface<'a>,
+    pub mask: &'a Mask,
+    pub storage: &'a Storage,
+    pub rule: WallRule,
+    /// Both ends of the links that pass thin walls, sorted.
+    severed: Vec<([usize; 3], usize)>,
 }
 
-impl Links {
+impl<'a> Maker<'a> {
+    /// For the walls as they stand.
+    pub fn new(surface: Surface<'a>, mask: &'a Mask, storage: &'a Storage, rule: WallRule) -> Self {
+        Self {
+            surface,
+            mask,
+            storage,
+            rule,
+            severed: Vec::new(),
+        }
+    }
+
     /// Finds all rows, runs and links.
-    pub fn new(grid: &Grid, mask: &Mask, storage: &Storage, sliding: &Sliding) -> Self {
-        let mut links = Self::default();
-        let mut pushes = Vec::new();
-        for k in 0..grid.shape[2] {
-            for j in 0..grid.shape[1] {
+    pub fn links(mut self) -> Links {
+        let Between { thin, closed_gaps } = self.surface.between(self.mask);
+        let mut links = Links {
+            closed_gaps,
+            ..Links::default()
+        };
+        for &(node, i) in &thin {
+            self.severed.push((node, i));
+            if let Some(far) = self.surface.in_grid(node, i) {
+                self.severed.push((far, opposite(i)));
+            }
+        }
+        self.severed.sort_unstable();
+        let [_, ny, nz] = self.surface.grid.shape;
+        for k in 0..nz {
+            for j in 0..ny {
                 let starts = links.ends();
-                links.add_runs(mask.row(j, k));
+                links.add_runs(self.mask.row(j, k));
                 if links.runs.len() == starts[0] {
                     continue;
                 }
                 for run in starts[0]..links.runs.len() {
                     for x in links.runs[run].clone() {
-                        links.add_incoming([x, j, k], grid, mask, storage, sliding, &mut pushes);
+                        self.add_incoming([x, j, k], &mut links);
                     }
                 }
-                links.add_outgoing(j, k, grid, mask, storage);
+                self.add_outgoing(j, k, &mut links);
                 let ends = links.ends();
                 let range = |n: usize| starts[n]..ends[n];
                 links.rows.push(Row {
@@ -82,21 +152,138 @@ impl Links {
                     k,
                     runs: range(0),
                     walls: range(1),
-                    wraps_out: range(2),
-                    wraps_in: range(3),
+                    cuts: range(2),
+                    wraps_out: range(3),
+                    wraps_in: range(4),
                 });
             }
         }
-        if pushes.iter().any(|p| *p != 0.0) {
-            links.pushes = pushes;
+        for (node, i) in thin {
+            if let Some(far) = self.surface.in_grid(node, i) {
+                let sides = [self.side(node, i, &mut links), self.side(far, opposite(i), &mut links)];
+                links.thin.push(sides);
+            }
         }
+        links.balance_pushes(self.rule);
         links
     }
 
-    fn ends(&self) -> [usize; 4] {
+    fn add_incoming(&self, node: [usize; 3], links: &mut Links) {
+        let [x, j, k] = node.map(|i| i as isize);
+        let nx = self.surface.grid.shape[0] as isize;
+        for i in 1..Q {
+            let [cx, cy, cz] = C[i].map(|c| c as isize);
+            let source = x - cx;
+            let solid = self.mask.is_solid(source, j - cy, k - cz);
+            if !solid && (0..nx).contains(&source) {
+                continue;
+            }
+            let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
+            let ghost = self.storage.index(opposite(i), source, sj, sk);
+            if solid {
+                let home = self.storage.index(i, x, j, k);
+                let meeting = self.meeting(node, i);
+                let cut = self.cut(node, i, Link { ghost, home }, meeting, links);
+                links.walls.push(cut.link);
+                links.directions.push(i as u8);
+                links.pushes.push(cut.shares.push * meeting.push);
+                if self.rule != WallRule::Halfway {
+                    links.fractions.push(meeting.fraction);
+                }
+                if cut.shares != Shares::HALFWAY {
+                    links.swell += cut.swell;
+                    links.cuts.push(cut);
+                }
+            } else {
+                let home = self.storage.index(opposite(i), source.rem_euclid(nx), sj, sk);
+                links.wraps_in.push(Link { ghost, home });
+            }
+        }
+    }
+
+    fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
+        match self.rule {
+            WallRule::Halfway => self.surface.halfway(node, i),
+            _ => self.surface.meeting(node, i),
+        }
+    }
+
+    /// The link of `node` whose returning population is `i`.
+    fn cut(&self, node: [usize; 3], i: usize, link: Link, meeting: Meeting, links: &mut Links) -> Cut {
+        let [x, j, k] = node.map(|i| i as isize);
+        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let o = opposite(i);
+        let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
+        let severed = self.severed.binary_search(&(node, o)).is_ok();
+        let shares = self.rule.shares(meeting.fraction, !solid && !severed);
+        // The places of a thin wall behind are exchanged, perhaps before they are read.
+        let shares = shares.filter(|s| !severed || *s == Shares::HALFWAY);
+        links.uninterpolated += usize::from(shares.is_none());
+        // Where the node behind is solid, its place is the ghost of the link on that side.
+        let behind = if solid {
+            x + cx
+        } else {
+            (x + cx).rem_euclid(self.surface.grid.shape[0] as isize)
+        };
+        let [bj, bk] = self.storage.wrapped(j + cy, k + cz);
+        Cut {
+            link,
+            near: self.storage.index(o, x, j, k),
+            behind: self.storage.index(i, behind, bj, bk),
+            swell: meeting.swell * shares.map_or(1.0, |s| s.push),
+            shares: shares.unwrap_or(Shares::HALFWAY),
+            direction: i,
+        }
+    }
+
+    /// The side of a thin wall on which `node` lies, population `i` returning to it.
+    fn side(&self, node: [usize; 3], i: usize, links: &mut Links) -> Side {
+        let [x, j, k] = node.map(|i| i as isize);
+        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
+        let link = Link {
+            ghost: self.storage.index(opposite(i), x - cx, sj, sk),
+            home: self.storage.index(i, x, j, k),
+        };
+        let meeting = self.meeting(node, i);
+        let cut = self.cut(node, i, link, meeting, links);
+        if cut.shares != Shares::HALFWAY {
+            links.swell += cut.swell;
+        }
+        Side {
+            cut,
+            push: cut.shares.push * meeting.push,
+            node,
+            fraction: meeting.fraction,
+        }
+    }
+
+    /// The places at the two ends of row (`j`, `k`) that nodes at the other end use in an odd step.
+    fn add_outgoing(&self, j: usize, k: usize, links: &mut Links) {
+        let (j, k, nx) = (j as isize, k as isize, self.surface.grid.shape[0] as isize);
+        for m in 1..Q {
+            let [cx, cy, cz] = C[m].map(|c| c as isize);
+            let (end, ghost) = match cx {
+                1 => (0, nx),
+                -1 => (nx - 1, -1),
+                _ => continue,
+            };
+            let both_fluid = !self.mask.is_solid(end, j, k) && !self.mask.is_solid(end - cx, j - cy, k - cz);
+            if both_fluid {
+                let home = self.storage.index(m, end, j, k);
+                let ghost = self.storage.index(m, ghost, j, k);
+                links.wraps_out.push(Link { ghost, home });
+            }
+        }
+    }
+}
+
+impl Links {
+    fn ends(&self) -> [usize; 5] {
         [
             self.runs.len(),
             self.walls.len(),
+            self.cuts.len(),
             self.wraps_out.len(),
             self.wraps_in.len(),
         ]
@@ -112,65 +299,23 @@ impl Links {
         }
     }
 
-    fn add_incoming(
-        &mut self,
-        node: [usize; 3],
-        grid: &Grid,
-        mask: &Mask,
-        storage: &Storage,
-        sliding: &Sliding,
-        pushes: &mut Vec<f64>,
-    ) {
-        let [x, j, k] = node.map(|i| i as isize);
-        let nx = grid.shape[0] as isize;
-        for i in 1..Q {
-            let [cx, cy, cz] = C[i].map(|c| c as isize);
-            let source = x - cx;
-            let solid = mask.is_solid(source, j - cy, k - cz);
-            if !solid && (0..nx).contains(&source) {
-                continue;
+    /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
+    /// they are.
+    fn balance_pushes(&mut self, rule: WallRule) {
+        let sides = || self.thin.iter().flatten();
+        let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
+        if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {
+            self.pushes.clear();
+        } else if rule != WallRule::Halfway {
+            let directions = self.directions.iter().map(|d| usize::from(*d));
+            let weights = directions.chain(sides().map(|s| s.cut.direction)).map(weight);
+            let share = all / weights.sum::<f64>();
+            for (push, direction) in self.pushes.iter_mut().zip(&self.directions) {
+                *push -= share * weight(usize::from(*direction));
             }
-            let [sj, sk] = storage.wrapped(j - cy, k - cz);
-            let ghost = storage.index(opposite(i), source, sj, sk);
-            if solid {
-                let home = storage.index(i, x, j, k);
-                self.walls.push(Link { ghost, home });
-                self.directions.push(i as u8);
-                pushes.push(sliding.push(i, node, grid));
-            } else {
-                let home = storage.index(opposite(i), source.rem_euclid(nx), sj, sk);
-                self.wraps_in.push(Link { ghost, home });
+            for side in self.thin.iter_mut().flatten() {
+                side.push -= share * weight(side.cut.direction);
             }
         }
-    }
-
-    /// The places at the two ends of row (`j`, `k`) that nodes at the other end use in an odd step.
-    fn add_outgoing(&mut self, j: usize, k: usize, grid: &Grid, mask: &Mask, storage: &Storage) {
-        let (j, k, nx) = (j as isize, k as isize, grid.shape[0] as isize);
-        for m in 1..Q {
-            let [cx, cy, cz] = C[m].map(|c| c as isize);
-            let (end, ghost) = match cx {
-                1 => (0, nx),
-                -1 => (nx - 1, -1),
-                _ => continue,
-            };
-            let both_fluid = !mask.is_solid(end, j, k) && !mask.is_solid(end - cx, j - cy, k - cz);
-            if both_fluid {
-                let home = storage.index(m, end, j, k);
-                let ghost = storage.index(m, ghost, j, k);
-                self.wraps_out.push(Link { ghost, home });
-            }
-        }
-    }
-}
-
-impl Sliding<'_> {
-    /// `6 w_i c_i.u_wall`, the wall's velocity taken half way along the link.
-    fn push(&self, i: usize, [x, j, k]: [usize; 3], grid: &Grid) -> f64 {
-        let Some(walls) = self.walls else { return 0.0 };
-        let c = Vec3::new(f64::from(C[i][0]), f64::from(C[i][1]), f64::from(C[i][2]));
-        let halfway = grid.position(x, j, k) - c * (0.5 * grid.spacing);
-        let velocity = walls.probe(halfway, self.t).velocity / self.velocity_unit;
-        6.0 * weight(i) * along(i, velocity.into())
     }
 }

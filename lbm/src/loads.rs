@@ -2,43 +2,76 @@
 
 use crate::d3q19::{C, Q};
 use crate::fluid::Fluid;
+use crate::surface::velocity;
 use lbm_ibm_coupling::{Boundary, Vec3, Wrench};
 
+/// Sums what links exchange, part by part.
+struct Loads<'a> {
+    fluid: &'a Fluid,
+    walls: &'a dyn Boundary,
+    t: f64,
+    about: Vec3,
+    parts: Vec<Wrench>,
+}
+
+impl Loads<'_> {
+    /// A link of `node` against direction `i`, cut at a fraction of its length, with the outgoing and the returning
+    /// population.
+    fn add(&mut self, [x, j, k]: [usize; 3], i: usize, fraction: f64, [outgoing, returning]: [f64; 2]) {
+        let Fluid { grid, .. } = self.fluid;
+        let at = grid.position(x, j, k) - velocity(i) * (fraction * grid.spacing);
+        let probe = self.walls.probe(grid.domain().wrap(at), self.t);
+        let part = probe.part as usize;
+        if part >= self.parts.len() {
+            self.parts.resize(part + 1, Wrench::zero());
+        }
+        let scale = 1.0 / self.fluid.force_scale();
+        let moved = probe.velocity * ((returning - outgoing) / self.fluid.velocity_unit());
+        let force = velocity(i) * (-(outgoing + returning) * scale) + moved * scale;
+        self.parts[part].force += force;
+        self.parts[part].torque += grid.domain().shortest(at - self.about).cross(&force);
+    }
+}
+
 impl Fluid {
-    /// Momentum exchange (Ladd 1994) of the last step, summed over the links of each part: a link along c hands the wall
-    /// -c (in + out), at the place where it meets the wall half way. Populations are stored less their weights, so the force
-    /// is that of the pressure about the rest state.
+    /// Momentum exchange of the last step, summed over the links of each part: a link along c, whose wall moves with u, hands
+    /// the wall `(-c - u) out - (c - u) in` at the place where it meets the wall (Ladd 1994; Galilean invariant by the terms
+    /// in u, Wen et al. 2014). Populations are stored less their weights, so the force is that of the pressure about the
+    /// rest state.
     pub(crate) fn momentum_exchange(&self, walls: &dyn Boundary, t: f64, about: Vec3) -> Vec<Wrench> {
-        let mut parts: Vec<Wrench> = Vec::new();
-        let scale = 1.0 / self.force_scale();
-        let mut links = self.links.walls.iter().zip(&self.links.directions);
+        let mut loads = Loads {
+            fluid: self,
+            walls,
+            t,
+            about,
+            parts: Vec::new(),
+        };
+        let mut links = self.links.walls.iter().zip(&self.links.directions).enumerate();
         for row in &self.links.rows {
-            for run in &self.links.runs[row.runs.clone()] {
-                for x in run.clone() {
-                    for i in 1..Q {
-                        let [cx, cy, cz] = C[i].map(|c| c as isize);
-                        let behind = [x as isize - cx, row.j as isize - cy, row.k as isize - cz];
-                        if !self.mask.is_solid(behind[0], behind[1], behind[2]) {
-                            continue;
-                        }
-                        let Some((link, direction)) = links.next() else {
-                            return parts;
-                        };
-                        debug_assert_eq!(usize::from(*direction), i);
-                        let exchanged = self.storage.get(link.ghost) + self.storage.get(link.home);
-                        let c = Vec3::new(cx as f64, cy as f64, cz as f64);
-                        let halfway = self.grid.position(x, row.j, row.k) - c * (0.5 * self.grid.spacing);
-                        let part = walls.probe(self.grid.domain().wrap(halfway), t).part as usize;
-                        if part >= parts.len() {
-                            parts.resize(part + 1, Wrench::zero());
-                        }
-                        let force = c * (-exchanged * scale);
-                        parts[part].force += force;
-                        parts[part].torque += self.grid.domain().shortest(halfway - about).cross(&force);
+            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
+                for i in 1..Q {
+                    let [cx, cy, cz] = C[i].map(|c| c as isize);
+                    let behind = [x as isize - cx, row.j as isize - cy, row.k as isize - cz];
+                    if !self.mask.is_solid(behind[0], behind[1], behind[2]) {
+                        continue;
                     }
+                    let Some((n, (link, direction))) = links.next() else {
+                        return loads.parts;
+                    };
+                    debug_assert_eq!(usize::from(*direction), i);
+                    let fraction = self.links.fractions.get(n).copied().unwrap_or(0.5);
+                    let (ghost, home) = (self.storage.get(link.ghost), self.storage.get(link.home));
+                    // After an even step what goes out stands at home, after an odd one what returns.
+                    let exchanged = if self.odd { [home, ghost] } else { [ghost, home] };
+                    loads.add([x, row.j, row.k], i, fraction, exchanged);
                 }
             }
         }
-        parts
+        for (sides, exchanged) in self.links.thin.iter().zip(&self.exchanged) {
+            for (side, exchanged) in sides.iter().zip(exchanged) {
+                loads.add(side.node, side.cut.direction, side.fraction, *exchanged);
+            }
+        }
+        loads.parts
     }
 }

@@ -6,12 +6,14 @@ use lbm_ibm_coupling::{Boundary, FluidError, Grid, Vec3};
 /// Fewest fluid nodes across a gap that carry a flow.
 const NEEDED: usize = 2;
 /// Least cosine between an axis and the normals of two walls that face each other across it.
-const FACING: f64 = 0.8;
+pub const FACING: f64 = 0.8;
 
 /// Solid flags of the grid and of one ghost node around it.
 pub struct Mask {
     shape: [usize; 3],
     solid: Vec<bool>,
+    /// Nodes of the grid within a link's length of a wall.
+    close: Vec<bool>,
     /// Number of nodes in the fluid.
     pub fluid_nodes: usize,
 }
@@ -21,17 +23,24 @@ impl Mask {
     pub fn new(grid: &Grid, walls: Option<&dyn Boundary>, t: f64) -> Result<Self, FluidError> {
         let [nx, ny, nz] = grid.shape;
         let rows: Vec<usize> = (0..ny * nz).collect();
-        let inside: Vec<Vec<bool>> = parallel::map(&rows, |&row| {
-            let solid = |i| walls.is_some_and(|w| w.probe(grid.position(i, row % ny, row / ny), t).distance <= 0.0);
-            (0..nx).map(solid).collect()
+        let reach = std::f64::consts::SQRT_2 * grid.spacing;
+        let near: Vec<Vec<[bool; 2]>> = parallel::map(&rows, |&row| {
+            let look = |i| {
+                walls.map_or([false; 2], |w| {
+                    let distance = w.probe(grid.position(i, row % ny, row / ny), t).distance;
+                    [distance <= 0.0, distance.abs() < reach]
+                })
+            };
+            (0..nx).map(look).collect()
         });
-        let solid_nodes = inside.iter().flatten().filter(|s| **s).count();
+        let solid_nodes = near.iter().flatten().filter(|[solid, _]| *solid).count();
         if solid_nodes == grid.len() {
             return Err(FluidError::NoFluid { nodes: grid.len() });
         }
         let mut mask = Self {
             shape: grid.shape,
             solid: vec![true; (nx + 2) * (ny + 2) * (nz + 2)],
+            close: near.iter().flatten().map(|[_, close]| *close).collect(),
             fluid_nodes: grid.len() - solid_nodes,
         };
         let home = |i: isize, a: usize| {
@@ -46,7 +55,7 @@ impl Mask {
                 };
                 for i in -1..=nx as isize {
                     let index = mask.index(i, j, k);
-                    mask.solid[index] = home(i, 0).is_none_or(|x| inside[z * ny + y][x]);
+                    mask.solid[index] = home(i, 0).is_none_or(|x| near[z * ny + y][x][0]);
                 }
             }
         }
@@ -66,6 +75,12 @@ impl Mask {
     /// Solid flags of the nodes of row (`j`, `k`).
     pub fn row(&self, j: usize, k: usize) -> &[bool] {
         &self.solid[self.index(0, j as isize, k as isize)..][..self.shape[0]]
+    }
+
+    /// Which nodes of row (`j`, `k`) are within a link's length of a wall.
+    pub fn close(&self, j: usize, k: usize) -> &[bool] {
+        let nx = self.shape[0];
+        &self.close[(k * self.shape[1] + j) * nx..][..nx]
     }
 
     /// The narrowest gap: its number of fluid nodes and its axis.

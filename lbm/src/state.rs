@@ -2,21 +2,25 @@
 
 use crate::d3q19::{C, Q, along, weight};
 use crate::fluid::Fluid;
-use crate::links::{Links, Sliding};
+use crate::links::Maker;
 use crate::mask::Mask;
+use crate::surface::Surface;
 use lbm_ibm_coupling::{Boundary, Vec3};
 use std::ops::Range;
 
 impl Fluid {
     /// Builds rows and links for the mask as it is.
     pub(crate) fn link(&mut self, walls: Option<&dyn Boundary>, t: f64) {
-        let sliding = Sliding {
+        let surface = Surface {
+            grid: &self.grid,
             walls,
             t,
             velocity_unit: self.velocity_unit(),
         };
-        self.links = Links::new(&self.grid, &self.mask, &self.storage, &sliding);
+        self.links = Maker::new(surface, &self.mask, &self.storage, self.wall_rule).links();
         self.balances = vec![Default::default(); self.links.rows.len()];
+        self.exchanged = vec![Default::default(); self.links.thin.len()];
+        self.owed = [0.0; 2];
         self.flow = None;
     }
 
@@ -25,6 +29,7 @@ impl Fluid {
         self.storage.clear();
         self.odd = false;
         self.at_rest = false;
+        self.owed = [0.0; 2];
         self.flow = None;
         for row in &self.links.rows {
             let places = self.storage.places(row.j, row.k, false);

@@ -1,0 +1,201 @@
+//! Flows in time: an oscillating channel and pipe, and vortices that decay.
+
+use super::finding::observed_order;
+use super::profile::interpolate;
+use super::{Effort, Findings, Outcome};
+use crate::Fault;
+use crate::reference::Table;
+use lbm_ibm::coupling::{Bricks, Closure, Grid, Lattice, UM, Vec3};
+use lbm_ibm::lbm::{Drive, Fluid, Pace, WallRule};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Water.
+const DENSITY: f64 = 1e3;
+const VISCOSITY: f64 = 1e-3;
+const NU: f64 = VISCOSITY / DENSITY;
+/// Nodes across channel and pipe, where the layer in which the flow oscillates is not much thinner than they are.
+const ACROSS: usize = 32;
+
+/// Velocity along z at eight phases of a flow under a force that oscillates, in units of force per mass `h^2/nu`, `h` half
+/// the height: at the nodes across a channel, or across a pipe in a wider box, once it is periodic.
+struct Oscillation {
+    across: usize,
+    nodes: [usize; 2],
+    phases: Vec<Vec<f64>>,
+}
+
+impl Oscillation {
+    fn new(alpha: f64, across: usize, pipe: bool) -> Result<Self, Fault> {
+        let h = 0.5 * across as f64 * UM;
+        let omega = (alpha / h).powi(2) * NU;
+        // A relaxation time of 0.6 or less, and 480 steps a period or more.
+        let longest = (0.1 / 3.0 * UM * UM / NU).min(2.0 * PI / omega / 480.0);
+        let eighth = (2.0 * PI / omega / longest / 8.0).ceil() as usize;
+        let time_step = 2.0 * PI / omega / (8 * eighth) as f64;
+        let nodes = if pipe { [across + 2; 2] } else { [across, 1] };
+        let grid = Grid::new([nodes[0], nodes[1], 1], UM, [pipe, true, true]);
+        let bricks = Bricks::new(&grid);
+        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::TimeStep(time_step))?.with_wall_rule(WallRule::Cli);
+        if pipe {
+            let middle = 0.5 * nodes[0] as f64 * UM;
+            let bore = Closure::new(move |x: Vec3| h - (x.x - middle).hypot(x.y - middle), 1e-4 * UM);
+            fluid.set_walls(Some(Arc::new(bore)), 0.0)?;
+        }
+        let force = 1e-3 * VISCOSITY / (h * h);
+        // What is left of the start decays as exp(-pi^2 nu t/(4 h^2)).
+        let start = (8.0 * 4.0 * h * h / (PI * PI * NU) / (8 * eighth) as f64 / time_step)
+            .ceil()
+            .max(2.0) as usize;
+        let mut phases = Vec::new();
+        for step in 0..8 * eighth * (start + 1) {
+            if step >= 8 * eighth * start && step % eighth == 0 {
+                let [_, _, along] = fluid.macroscopic().ok_or("the fluid has no velocity field")?.velocity;
+                phases.push(along.iter().map(|u| u / 1e-3).collect());
+            }
+            let now = (omega * step as f64 * time_step).cos();
+            fluid.set_drive(Drive::Force(Vec3::z() * (force * now)))?;
+            fluid.advance(&bricks)?;
+        }
+        Ok(Self { across, nodes, phases })
+    }
+
+    /// At an eighth of the period and a distance from the middle, in units of `h`.
+    fn at(&self, eighth: usize, y: f64) -> f64 {
+        let [nx, ny] = self.nodes;
+        let x = 0.5 * nx as f64 + y * 0.5 * self.across as f64;
+        if ny == 1 {
+            return interpolate(&self.phases[eighth], [nx, 1], [x, 0.5]);
+        }
+        // From the fluid nodes of the two rows beside the middle.
+        let row = |j: usize| -> f64 {
+            let fluid = &self.phases[eighth][j * nx + 1..(j + 1) * nx - 1];
+            interpolate(fluid, [nx - 2, 1], [x - 1.0, 0.5])
+        };
+        0.5 * (row(ny / 2 - 1) + row(ny / 2))
+    }
+}
+
+/// Oscillating flow between plates and in a pipe against Womersley's solution, within 0.5 % of the greatest velocity of the
+/// oscillation. There are 32 nodes across where the Womersley number is 4 or less, and more in proportion beyond, where the
+/// layer at the wall is thinner than four of them. The pipe at 16 is reported, on 64.
+pub fn womersley(table: &Table, effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    let mut known: Vec<(f64, [Oscillation; 2])> = Vec::new();
+    for row in table.rows() {
+        let (alpha, phase, y) = (row.number("alpha")?, row.number("phase_deg")?, row.number("y_or_r")?);
+        if effort.quick && alpha != 4.0 {
+            findings.left_out += 1;
+            continue;
+        }
+        findings.begin(row.key(&["alpha", "phase_deg", "y_or_r"]));
+        if !known.iter().any(|(a, _)| *a == alpha) {
+            let across = (ACROSS as f64 * (alpha / 4.0).max(1.0)) as usize;
+            let flows = [(across, false), (across.min(64), true)].map(|(n, pipe)| Oscillation::new(alpha, n, pipe));
+            let [plane, pipe] = flows;
+            known.push((alpha, [plane?, pipe?]));
+        }
+        let Some((_, flows)) = known.iter().find(|(a, _)| *a == alpha) else {
+            continue;
+        };
+        for (flow, column) in flows.iter().zip(["u_plane", "u_pipe"]) {
+            let greatest = |t: &Table| -> Result<f64, Fault> {
+                let mut top = 0.0_f64;
+                for other in t
+                    .rows()
+                    .iter()
+                    .filter(|r| r.text("alpha").ok() == row.text("alpha").ok())
+                {
+                    top = top.max(other.number(column)?.abs());
+                }
+                Ok(top)
+            };
+            let value = flow.at((phase / 45.0).round() as usize, y);
+            let (reference, scale) = (row.number(column)?, greatest(table)?);
+            if flow.across as f64 >= 8.0 * alpha {
+                findings.check_scaled(column, value, reference, scale, 5e-3);
+            } else {
+                findings.report(column, value, reference, scale);
+            }
+        }
+    }
+    Ok(findings)
+}
+
+/// A vortex flow in a periodic cube of 2 pi, velocity 1, on `n` nodes; the time step is `courant` spacings.
+fn vortices(n: usize, viscosity: f64, courant: f64, field: impl Fn(Vec3) -> Vec3) -> Result<(Fluid, Bricks), Fault> {
+    let spacing = 2.0 * PI / n as f64;
+    let grid = Grid::new([n; 3], spacing, [true; 3]);
+    let bricks = Bricks::new(&grid);
+    let mut fluid = Fluid::new(grid, 1.0, viscosity, Pace::TimeStep(courant * spacing))?;
+    fluid.set_velocity(field);
+    Ok((fluid, bricks))
+}
+
+/// Mean of the squared velocity over two.
+fn energy(fluid: &Fluid) -> Result<f64, Fault> {
+    let velocity = fluid.macroscopic().ok_or("the fluid has no velocity field")?.velocity;
+    let sum: f64 = velocity.iter().flatten().map(|u| u * u).sum();
+    Ok(0.5 * sum / fluid.grid().len() as f64)
+}
+
+/// Decay rate of the energy of the Arnold-Beltrami-Childress flow over `2 nu`, which is exact with inertia, at a relaxation
+/// time of 0.8.
+fn beltrami(n: usize) -> Result<f64, Fault> {
+    let viscosity = 1.0;
+    let courant = 0.1 * 2.0 * PI / n as f64;
+    let field = |x: Vec3| Vec3::new(x.z.sin() + x.y.cos(), x.x.sin() + x.z.cos(), x.y.sin() + x.x.cos());
+    let (mut fluid, bricks) = vortices(n, viscosity, courant, field)?;
+    let steps = (0.2 / fluid.time_step()).round() as usize;
+    (0..steps).try_for_each(|_| fluid.advance(&bricks))?;
+    let before = energy(&fluid)?;
+    (0..steps).try_for_each(|_| fluid.advance(&bricks))?;
+    let t = steps as f64 * fluid.time_step();
+    Ok((before / energy(&fluid)?).ln() / (2.0 * viscosity * t))
+}
+
+/// Energy of the Taylor-Green vortex at a Reynolds number of 100 against a spectral solution, on 32 and 64 nodes with the
+/// Mach number in proportion to the spacing: of order 1.95 or more, and the viscosity of the Beltrami flow within 0.5 % on 32.
+pub fn taylor_green_3d(table: &Table, effort: Effort) -> Outcome {
+    let mut findings = Findings::of(table.name());
+    findings.begin(BTreeMap::from([("flow".to_owned(), "ABC".to_owned())]));
+    let (coarse, fine) = (beltrami(16)?, beltrami(32)?);
+    findings.report("viscosity, 16 nodes", coarse, 1.0, 1.0);
+    findings.check("viscosity, 32 nodes", fine, 1.0, 5e-3);
+    let order = observed_order((2.0, (coarse - 1.0).abs()), (1.0, (fine - 1.0).abs()));
+    findings.check_at_least("order of the viscosity", order, 1.95);
+
+    let mut errors = Vec::new();
+    for &n in if effort.quick { &[16, 32][..] } else { &[32, 64] } {
+        let courant = 0.1 * 32.0 / n as f64;
+        let field = |x: Vec3| {
+            Vec3::new(
+                x.x.sin() * x.y.cos() * x.z.cos(),
+                -x.x.cos() * x.y.sin() * x.z.cos(),
+                0.0,
+            )
+        };
+        let (mut fluid, bricks) = vortices(n, 0.01, courant, field)?;
+        let mut worst = 0.0_f64;
+        for row in table.rows() {
+            let (t, e) = (row.number("t")?, row.number("e")?);
+            findings.begin(BTreeMap::from([
+                ("t".to_owned(), t.to_string()),
+                ("nodes".to_owned(), n.to_string()),
+            ]));
+            while (fluid.steps() as f64 + 0.5) * fluid.time_step() < t {
+                fluid.advance(&bricks)?;
+            }
+            // From the nearest step to the time of the row.
+            let late = fluid.steps() as f64 * fluid.time_step() - t;
+            let value = energy(&fluid)? + row.number("eps")? * late;
+            findings.report("energy", value, e, 0.125);
+            worst = worst.max((value - e).abs() / 0.125);
+        }
+        errors.push((1.0 / n as f64, worst));
+    }
+    findings.begin(BTreeMap::from([("flow".to_owned(), "Taylor-Green".to_owned())]));
+    findings.check_at_least("order of the energy", observed_order(errors[0], errors[1]), 1.95);
+    Ok(findings)
+}

@@ -1,0 +1,165 @@
+//! Where links meet walls, and walls that pass between nodes.
+
+use crate::d3q19::{C, Q, along, opposite, weight};
+use crate::mask::{FACING, Mask};
+use crate::parallel;
+use lbm_ibm_coupling::{Boundary, Grid, Vec3};
+
+/// Greatest cosine between the normals at the two cuts of a link that passes a thin wall. Where it grazes a curved wall or a
+/// square edge the normals are closer.
+const BACK_TO_BACK: f64 = -0.5;
+/// How far before a cut its normal is taken, as a fraction of the link.
+const BEFORE: f64 = 1e-3;
+
+/// The walls as links meet them.
+pub struct Surface<'a> {
+    pub grid: &'a Grid,
+    pub walls: Option<&'a dyn Boundary>,
+    pub t: f64,
+    /// Lattice unit of velocity, m/s.
+    pub velocity_unit: f64,
+}
+
+/// Where a link from a fluid node meets a wall.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// As a fraction of the link.
+    pub fraction: f64,
+    /// `6 w_i c_i.u_wall`.
+    pub push: f64,
+    /// The same of a wall that would move into the fluid by one lattice unit of velocity; not negative.
+    pub swell: f64,
+}
+
+/// Walls between nodes.
+#[derive(Default)]
+pub struct Between {
+    /// Links from a fluid node against a direction to another one, with a wall between them.
+    pub thin: Vec<([usize; 3], usize)>,
+    /// Links along the axes between two solid nodes, with a gap between them.
+    pub closed_gaps: usize,
+}
+
+/// `c_i` as a vector, lattice units.
+pub fn velocity(i: usize) -> Vec3 {
+    Vec3::from(C[i].map(f64::from))
+}
+
+impl Surface<'_> {
+    /// Halfway along the link from `node` against direction `i`.
+    pub fn halfway(&self, node: [usize; 3], i: usize) -> Meeting {
+        let [x, j, k] = node;
+        let at = self.grid.position(x, j, k) - velocity(i) * (0.5 * self.grid.spacing);
+        self.at(0.5, at, i)
+    }
+
+    /// Where the link from the fluid `node` against direction `i` meets the wall: half way at a face of the grid, and where
+    /// the wall cannot be found.
+    ///
+    /// A link that leaves the box by a periodic face may meet a wall on either side of it.
+    pub fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
+        let (a, b) = self.ends(node, i);
+        let home = self.grid.domain().wrap(b);
+        let mut first = self.first_cut(a, b);
+        if home != b {
+            let beyond = self.first_cut(a + (home - b), home);
+            first = [first, beyond].into_iter().flatten().min_by(|p, q| p.0.total_cmp(&q.0));
+        }
+        match first {
+            Some((fraction, at)) if fraction <= 0.5 || self.in_grid(node, i).is_some() => self.at(fraction, at, i),
+            _ => self.halfway(node, i),
+        }
+    }
+
+    /// Fraction and place of the cut, if there is a wall to be seen.
+    fn first_cut(&self, a: Vec3, b: Vec3) -> Option<(f64, Vec3)> {
+        let walls = self.walls?;
+        if walls.probe(a, self.t).distance <= 0.0 {
+            return None;
+        }
+        let s = walls.cut(a, b, self.t)?.clamp(0.0, 1.0);
+        Some((s, a + (b - a) * s))
+    }
+
+    fn at(&self, fraction: f64, at: Vec3, i: usize) -> Meeting {
+        let push = |velocity: Vec3| 6.0 * weight(i) * along(i, velocity.into());
+        let probe = self.walls.map(|w| w.probe(at, self.t));
+        Meeting {
+            fraction,
+            push: probe.map_or(0.0, |p| push(p.velocity / self.velocity_unit)),
+            swell: probe.map_or(0.0, |p| push(p.normal).max(0.0)),
+        }
+    }
+
+    /// Both ends of the link from `node` against direction `i`, the far one beyond the box if need be.
+    fn ends(&self, [x, j, k]: [usize; 3], i: usize) -> (Vec3, Vec3) {
+        let a = self.grid.position(x, j, k);
+        (a, a - velocity(i) * self.grid.spacing)
+    }
+
+    /// The node at the far end of the link from `node` against direction `i`; none beyond a closed face.
+    pub fn in_grid(&self, node: [usize; 3], i: usize) -> Option<[usize; 3]> {
+        let mut at = [0; 3];
+        for a in 0..3 {
+            let (n, s) = (self.grid.shape[a] as isize, node[a] as isize - C[i][a] as isize);
+            if !self.grid.periodic[a] && !(0..n).contains(&s) {
+                return None;
+            }
+            at[a] = s.rem_euclid(n) as usize;
+        }
+        Some(at)
+    }
+
+    /// Finds walls that pass between two fluid nodes and gaps that pass between two solid ones, near the walls.
+    pub fn between(&self, mask: &Mask) -> Between {
+        let [nx, ny, nz] = self.grid.shape;
+        let mut found = Between::default();
+        let Some(walls) = self.walls else { return found };
+        let rows: Vec<[usize; 2]> = (0..nz).flat_map(|k| (0..ny).map(move |j| [j, k])).collect();
+        let parts = parallel::map(&rows, |&[j, k]| {
+            let mut part = Between::default();
+            let close = mask.close(j, k);
+            for x in (0..nx).filter(|&x| close[x]) {
+                let node = [x, j, k];
+                // One direction of each opposite pair.
+                for i in (1..Q).step_by(2) {
+                    let Some(far) = self.in_grid(node, i) else { continue };
+                    let solid = |n: [usize; 3]| mask.row(n[1], n[2])[n[0]];
+                    match (solid(node), solid(far)) {
+                        (false, false) if mask.close(far[1], far[2])[far[0]] && self.is_thin(walls, node, far, i) => {
+                            part.thin.push((node, i));
+                        }
+                        (true, true) if i < 7 && self.is_closed_gap(walls, node, far, i) => part.closed_gaps += 1,
+                        _ => {}
+                    }
+                }
+            }
+            part
+        });
+        for part in parts {
+            found.thin.extend(part.thin);
+            found.closed_gaps += part.closed_gaps;
+        }
+        found
+    }
+
+    /// Whether a link between two fluid nodes meets walls that turn their backs on each other.
+    fn is_thin(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> bool {
+        let normal = |node, i| {
+            let (a, b) = self.ends(node, i);
+            let s = walls.cut(a, b, self.t)?;
+            Some(walls.probe(a + (b - a) * (s - BEFORE).max(0.0), self.t).normal)
+        };
+        let Some(near) = normal(node, i) else { return false };
+        normal(far, opposite(i)).is_some_and(|n| n.dot(&near) < BACK_TO_BACK)
+    }
+
+    /// Whether two solid nodes belong to walls that face each other across a gap.
+    fn is_closed_gap(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> bool {
+        let probe = |[x, j, k]: [usize; 3]| walls.probe(self.grid.position(x, j, k), self.t);
+        let (near, far) = (probe(node), probe(far));
+        let facing = near.normal.dot(&velocity(i)) < -FACING && far.normal.dot(&velocity(i)) > FACING;
+        let filled = near.distance > 0.0 || far.distance > 0.0;
+        facing && !filled && -near.distance - far.distance < (1.0 - BEFORE) * self.grid.spacing
+    }
+}
