@@ -2,18 +2,18 @@
 
 use crate::chains::Row;
 use crate::device::{DENSITY, Device, HEIGHT, PLASMA, RADIUS, ROW};
+use crate::subject::{Fate, Subject, cells};
 use clap::Args;
 use lbm_ibm::contact::{BeadRepulsion, CellRepulsion, SoftSphere, WallRepulsion};
 use lbm_ibm::coupling::nalgebra::{Isometry3, UnitQuaternion};
-use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, SceneError, Soa3, UM, Vec3, enclosed_volume};
+use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, SceneError, Soa3, UM, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel, RigidBody};
 use lbm_ibm::lbm::{Drive, Fluid, Pace};
 use lbm_ibm::magnetics::{Auto, BeadForces, Uniform};
-use lbm_ibm::membrane::{Form, presets};
 use lbm_ibm::output::VtkSeries;
 use serde::Serialize;
 use std::error::Error;
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Length of the channel before its period (m), and where in it the row stands.
@@ -39,37 +39,6 @@ pub struct Settings {
     /// Factor on the density, and so on the Reynolds number and the time step.
     #[arg(long, default_value_t = 58.0)]
     reynolds_scale: f64,
-}
-
-/// How a cell fared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Fate {
-    /// Its rearmost node is one cell radius behind the row.
-    Pass,
-    /// It stands still in the row, its middle not behind it.
-    Held,
-    /// Neither within the time.
-    Undecided,
-}
-
-/// A cell before the row.
-pub struct Subject {
-    /// ctc or rbc.
-    pub name: &'static str,
-    /// Radius, m.
-    radius: f64,
-    id: u32,
-    fate: Option<(Fate, f64)>,
-    touched: Option<f64>,
-    /// Time and mean of the nodes.
-    track: Vec<(f64, Vec3)>,
-    /// Greatest relative change of the volume.
-    drift: f64,
-    rest_volume: f64,
-    gone: bool,
-    /// It has not been in this run at all.
-    absent: bool,
 }
 
 /// What became of a cell, in SI.
@@ -383,83 +352,4 @@ impl Run<'_> {
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
-}
-
-impl Subject {
-    fn look(&mut self, scene: &Scene, row: f64, slow: f64, entry: f64) -> Result<(), SceneError> {
-        let x = scene.body_positions(self.id)?;
-        let time = scene.time();
-        let nose = x.x.iter().copied().fold(f64::NEG_INFINITY, f64::max) - row;
-        let tail = x.x.iter().copied().fold(f64::INFINITY, f64::min) - row;
-        self.track.push((time, x.mean()));
-        let info = scene.bodies().iter().find(|b| b.id == self.id);
-        let volume = info.map_or(self.rest_volume, |b| enclosed_volume(x, &b.triangles));
-        self.drift = self.drift.max((volume / self.rest_volume - 1.0).abs());
-        if self.touched.is_none() && nose >= -RADIUS {
-            self.touched = Some(time);
-        }
-        if self.fate.is_some() {
-            return Ok(());
-        }
-        if tail >= RADIUS + self.radius {
-            self.fate = Some((Fate::Pass, time));
-        } else if self.touched.is_some_and(|t| time - t > 2.0 * entry)
-            && x.mean().x - row < RADIUS
-            && self.speed(2.0 * entry).abs() < slow
-        {
-            self.fate = Some((Fate::Held, time));
-        }
-        Ok(())
-    }
-
-    /// Mean speed along the flow over the last `time`, s.
-    fn speed(&self, time: f64) -> f64 {
-        let Some(&(now, here)) = self.track.last() else {
-            return 0.0;
-        };
-        let then = self.track.iter().rev().find(|(t, _)| *t <= now - time);
-        let (t, x) = then.unwrap_or(&self.track[0]);
-        if *t < now { (here.x - x.x) / (now - t) } else { 0.0 }
-    }
-}
-
-/// A tumour cell before the gap on the left, a red cell on edge before the gap on the right.
-fn cells(scene: &mut Scene, shift: Vec3, row: &Row) -> Result<Vec<Subject>, Box<dyn Error>> {
-    let side = 0.5 * (2.0 * RADIUS + row.gap);
-    let on_edge = UnitQuaternion::from_scaled_axis(Vec3::x() * FRAC_PI_2);
-    let kinds = [
-        (
-            "ctc",
-            0.5 * presets::CTC_DIAMETER,
-            presets::ctc_paper(Form::Paper2011Balanced)?,
-            side,
-            UnitQuaternion::identity(),
-        ),
-        (
-            "rbc",
-            4.0 * UM,
-            presets::rbc_paper(Form::Paper2011Balanced)?,
-            -side,
-            on_edge,
-        ),
-    ];
-    let mut subjects = Vec::new();
-    for (name, radius, cell, y, turn) in kinds {
-        let place = shift + Vec3::new(-RADIUS - radius - 3.0 * UM, y, 0.0);
-        let rest_volume = cell.mesh().volume();
-        let id = scene.add_body(cell, &Isometry3::from_parts(place.into(), turn))?;
-        subjects.push(Subject {
-            name,
-            radius,
-            id,
-            fate: None,
-            touched: None,
-            track: Vec::new(),
-            drift: 0.0,
-            rest_volume,
-            gone: false,
-            absent: false,
-        });
-    }
-    Ok(subjects)
 }

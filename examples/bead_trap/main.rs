@@ -8,6 +8,7 @@ mod flow;
 mod forming;
 mod options;
 mod report;
+mod subject;
 
 use flow::{Beads, Run};
 use lbm_ibm::coupling::{MS, Sphere, UM, US};

@@ -12,6 +12,8 @@ mod flow;
 mod options;
 mod report;
 mod study;
+#[path = "../bead_trap/subject.rs"]
+mod subject;
 
 use clap::Parser;
 use lbm_ibm::coupling::{MS, UM};

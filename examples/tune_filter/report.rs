@@ -1,7 +1,7 @@
 //! Tables and the chart.
 
-use crate::flow::Fate;
 use crate::study::{Point, Released, Window};
+use crate::subject::Fate;
 use lbm_ibm::coupling::{MS, UM};
 use lbm_ibm::output::{Chart, Mark, OutputError, write_csv, write_json};
 use serde::Serialize;

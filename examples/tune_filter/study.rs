@@ -1,8 +1,9 @@
 //! Cells against the row at every bias field, and what happens when the magnets are switched off.
 
 use crate::chains::{self, Row};
-use crate::flow::{Beads, End, Fate, Moment, Run};
+use crate::flow::{Beads, End, Moment, Run};
 use crate::options::Options;
+use crate::subject::Fate;
 use lbm_ibm::coupling::{MS, Soa3, UM};
 use serde::Serialize;
 use std::error::Error;
