@@ -9,6 +9,8 @@ pub struct CellRepulsion {
     except: Vec<String>,
     list: CellList,
     body_of: Vec<u32>,
+    /// Centre and radius (m) of a ball around each body that counts.
+    balls: Vec<(Vec3, f64)>,
 }
 
 /// The body of a node that is left out.
@@ -22,6 +24,7 @@ impl CellRepulsion {
             except: Vec::new(),
             list: CellList::new(),
             body_of: Vec::new(),
+            balls: Vec::new(),
         }
     }
 
@@ -44,24 +47,24 @@ impl CellRepulsion {
         self.list.build(view.x, view.domain, self.law.cutoff());
     }
 
-    /// Whether any two bodies could touch: spheres about their nodes come within the cut-off.
-    fn any_near(&self, view: &View<'_>) -> bool {
-        let counts = view.bodies.iter().filter(|b| !self.except.contains(&b.kind));
-        let ball = |b: &BodyInfo| {
-            let centre = b.range.clone().map(|i| view.x.get(i)).sum::<Vec3>() / b.range.len().max(1) as f64;
-            let squares = b.range.clone().map(|i| (view.x.get(i) - centre).norm_squared());
-            (centre, squares.fold(0.0, f64::max).sqrt())
-        };
-        let balls: Vec<(Vec3, f64)> = counts.map(ball).collect();
-        // Many bodies are crowded: the search by cells is the faster one.
-        balls.len() > 32
-            || balls.iter().enumerate().any(|(k, (a, ra))| {
-                balls[..k].iter().any(|(b, rb)| {
-                    // Not a number is near: nothing is left out.
-                    let apart = view.domain.shortest(a - b).norm() > ra + rb + self.law.cutoff();
-                    !apart
-                })
-            })
+    /// Whether any two bodies could touch: balls about their nodes come within the cut-off. Many bodies are crowded, and the
+    /// search by cells is the faster one.
+    fn any_near(&mut self, view: &View<'_>) -> bool {
+        const FEW: usize = 32;
+        if view.bodies.len() > FEW {
+            return true;
+        }
+        self.balls.clear();
+        for body in view.bodies.iter().filter(|b| !self.except.contains(&b.kind)) {
+            let nodes = || body.range.clone().map(|i| view.x.get(i));
+            let centre = nodes().sum::<Vec3>() / body.range.len().max(1) as f64;
+            let square = nodes().map(|x| (x - centre).norm_squared()).fold(0.0, f64::max);
+            self.balls.push((centre, square.sqrt()));
+        }
+        let reach = self.law.cutoff();
+        let apart = |(a, ra): &(Vec3, f64), (b, rb): &(Vec3, f64)| view.domain.shortest(a - b).norm() > ra + rb + reach;
+        let balls = &self.balls;
+        (0..balls.len()).any(|k| balls[..k].iter().any(|other| !apart(&balls[k], other)))
     }
 
     /// Calls `touch(i, j, direction from j to i, distance)` for every pair within reach.
