@@ -1,5 +1,6 @@
 //! Tables and the chart.
 
+use crate::device::RADIUS;
 use crate::study::{Point, Released, Window};
 use crate::subject::Fate;
 use lbm_ibm::coupling::{MS, UM};
@@ -76,7 +77,15 @@ pub fn write(
         let own = points.iter().filter(|p| p.fate("ctc") == fate);
         chart.series(label, mark, own.map(|p| (p.bias * 1e3, p.gap / UM)))
     });
-    chart.write_svg(&folder.join("tune_filter.svg"))?;
+    let freed = released.filter(|r| r.cell > 2.0 * RADIUS);
+    let at = points.iter().filter(|p| freed.is_some_and(|r| r.bias == p.bias));
+    chart
+        .series(
+            "freed when switched off",
+            Mark::Open,
+            at.map(|p| (p.bias * 1e3, p.gap / UM)),
+        )
+        .write_svg(&folder.join("tune_filter.svg"))?;
     if let Some(released) = released {
         write_csv(&folder.join("release.csv"), &released.moments)?;
         let chart = Chart::new("Magnets on, then off", "time, ms", "along the flow, um");
