@@ -74,9 +74,9 @@ pub enum MagneticsError {
         /// Which bead.
         bead: usize,
     },
-    /// A setting of a tree that it cannot honour.
-    #[error("{what} of the tree is {value}, it must lie in [{low}, {high}]")]
-    Tree {
+    /// A setting that a model cannot honour.
+    #[error("{what} is {value}, it must lie in [{low}, {high}]")]
+    Setting {
         /// Which setting.
         what: &'static str,
         /// The value given.
@@ -176,5 +176,14 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, MagneticsE
         Ok(value)
     } else {
         Err(MagneticsError::NotPositive { what, value })
+    }
+}
+
+/// `value` if it lies in [`low`, `high`].
+pub(crate) fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<f64, MagneticsError> {
+    if (low..=high).contains(&value) {
+        Ok(value)
+    } else {
+        Err(MagneticsError::Setting { what, value, low, high })
     }
 }

@@ -9,7 +9,7 @@ mod terms;
 
 pub(crate) use sums::{DipoleSums, Summation};
 
-use crate::error::MagneticsError;
+use crate::error::{MagneticsError, within};
 
 /// Order and opening that bring the rms force error below an accuracy: chosen on loose clouds of 2e4 and 5e4 beads of one size,
 /// whose forces cancel in part.
@@ -64,9 +64,9 @@ impl Tree {
     /// [`TreeReport`] says what came of it.
     ///
     /// # Errors
-    /// [`MagneticsError::Tree`] unless it lies in [1e-6, 0.1].
+    /// [`MagneticsError::Setting`] unless it lies in [1e-6, 0.1].
     pub fn with_accuracy(self, accuracy: f64) -> Result<Self, MagneticsError> {
-        within("accuracy", accuracy, 1e-6, 0.1)?;
+        within("accuracy of the tree", accuracy, 1e-6, 0.1)?;
         let rung = LADDER.iter().find(|rung| rung.0 <= accuracy * (1.0 + 1e-9));
         let (_, order, opening) = *rung.unwrap_or(&LADDER[LADDER.len() - 1]);
         Ok(Self { order, opening })
@@ -75,9 +75,9 @@ impl Tree {
     /// Another order of the expansions.
     ///
     /// # Errors
-    /// [`MagneticsError::Tree`] unless it is from 3 to 10.
+    /// [`MagneticsError::Setting`] unless it is from 3 to 10.
     pub fn with_order(mut self, order: usize) -> Result<Self, MagneticsError> {
-        within("order", order as f64, 3.0, terms::MOST as f64)?;
+        within("order of the tree", order as f64, 3.0, terms::MOST as f64)?;
         self.order = order;
         Ok(self)
     }
@@ -85,17 +85,9 @@ impl Tree {
     /// Another opening: the sum of the radii of two boxes that meet as a whole, over the distance of their centres, at most.
     ///
     /// # Errors
-    /// [`MagneticsError::Tree`] unless it lies in [0.1, 0.8].
+    /// [`MagneticsError::Setting`] unless it lies in [0.1, 0.8].
     pub fn with_opening(mut self, opening: f64) -> Result<Self, MagneticsError> {
-        self.opening = within("opening", opening, 0.1, 0.8)?;
+        self.opening = within("opening of the tree", opening, 0.1, 0.8)?;
         Ok(self)
-    }
-}
-
-fn within(what: &'static str, value: f64, low: f64, high: f64) -> Result<f64, MagneticsError> {
-    if (low..=high).contains(&value) {
-        Ok(value)
-    } else {
-        Err(MagneticsError::Tree { what, value, low, high })
     }
 }

@@ -166,3 +166,28 @@ fn order_one_is_mutual_dipoles_and_packed_overlap_stays_finite() {
     );
     assert!(out.moment.iter().all(|m| m.norm() < 10.0 * units::MOMENT));
 }
+
+#[test]
+fn an_order_or_a_reach_that_cannot_be_had_is_refused_with_its_numbers() {
+    let beads = beads(2, RADIUS, 3.0);
+    let x: Soa3 = [Vec3::zeros(), Vec3::x() * (2.5 * RADIUS)].into_iter().collect();
+    let source = Uniform::new(Vec3::z() * FIELD);
+    let refused = |model: &mut dyn Model| {
+        let problem = Problem::new(&beads, x.view(), &source, 0.0).unwrap();
+        model.solve(&problem, &mut Solution::new()).unwrap_err().to_string()
+    };
+    let told = [
+        refused(&mut Multipoles::new(71)),
+        refused(&mut Multipoles::new(0)),
+        refused(&mut Multipoles::new(8).with_reach(1.5)),
+        refused(&mut Auto::new().with_order(41)),
+    ];
+    for (text, limits) in told.iter().zip([
+        "71, it must lie in [1, 70]",
+        "[1, 70]",
+        "1.5",
+        "41, it must lie in [2, 40]",
+    ]) {
+        assert!(text.contains(limits), "{text}");
+    }
+}

@@ -10,7 +10,7 @@ use super::strength::{Strengths, add_bilinear};
 use super::{Model, PairCorrected, Problem, Solution};
 use crate::MU0;
 use crate::bead::Bead;
-use crate::error::MagneticsError;
+use crate::error::{MagneticsError, within};
 use crate::tree::Summation;
 use crate::two_sphere::Truncated;
 use activity::{Activity, falling};
@@ -76,9 +76,9 @@ impl Auto {
     }
 
     /// Another order of the multipoles, from 2 to 40: errors of packed contacts fall with it, the cost there grows with its
-    /// fourth power.
+    /// fourth power. Solving with any other is a [`MagneticsError::Setting`].
     pub fn with_order(mut self, order: usize) -> Self {
-        self.order = order.clamp(2, 40);
+        self.order = order;
         self
     }
 
@@ -152,6 +152,7 @@ impl Model for Auto {
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
+        within("order of the multipoles", self.order as f64, 2.0, 40.0)?;
         let activity = Activity::of(problem);
         let linear = problem.beads.iter().all(|b| b.permeability().is_some());
         if activity.is_none() || !linear {

@@ -9,7 +9,7 @@ use super::near::{self, Interaction};
 use super::operator::norm;
 use super::{ErrorEstimate, Model, MutualDipoles, Problem, Solution};
 use crate::MU0;
-use crate::error::MagneticsError;
+use crate::error::{MagneticsError, within};
 use bent::Bent;
 use coupling::{Field, Link, Shape};
 use lbm_ibm_coupling::Vec3;
@@ -53,9 +53,10 @@ impl Default for Multipoles {
 impl Multipoles {
     /// Multipoles to `order`, from 1 (mutual dipoles) to 70, between all pairs of up to 100 beads, and between pairs nearer
     /// than 8 of the largest radius, centre to centre, of more. What the farther pairs miss is in the estimate of error.
+    /// Solving with any other order is a [`MagneticsError::Setting`].
     pub fn new(order: usize) -> Self {
         Self {
-            order: order.clamp(1, MOST),
+            order,
             reach: None,
             tolerance: 1e-10,
             last: Vec::new(),
@@ -63,9 +64,10 @@ impl Multipoles {
         }
     }
 
-    /// Another reach, in the largest radius, centre to centre; beyond it beads are dipoles to each other.
+    /// Another reach, in the largest radius, centre to centre; beyond it beads are dipoles to each other. Solving with
+    /// less than 2 is a [`MagneticsError::Setting`].
     pub fn with_reach(mut self, reach: f64) -> Self {
-        self.reach = Some(reach.max(2.0));
+        self.reach = Some(reach);
         self
     }
 
@@ -83,6 +85,10 @@ impl Model for Multipoles {
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
+        within("order of the multipoles", self.order as f64, 1.0, MOST as f64)?;
+        if let Some(reach) = self.reach {
+            within("reach of the multipoles, in radii,", reach, 2.0, f64::INFINITY)?;
+        }
         let n = problem.beads.len();
         out.resize(n);
         if n == 0 {
