@@ -43,26 +43,60 @@ pub(super) fn icosphere(parts: usize) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 const POLAR: usize = 400;
 const AZIMUTH: usize = 96;
 
-/// Markers `spacing` (m) apart on an ellipsoid of semi-axes `axes` (m), one to each `spacing^2`: a golden spiral under a map
-/// of the unit square onto the surface that keeps areas,
-/// `dA = sin t sqrt(c^2 sin^2 t (b^2 cos^2 p + a^2 sin^2 p) + a^2 b^2 cos^2 t) dt dp`.
+/// Markers `spacing` (m) apart on an ellipsoid of semi-axes `axes` (m), about one to each `spacing^2`.
+///
+/// A sphere has a golden spiral. Any other ellipsoid has rings about the axis whose two others are most alike: they have
+/// its three planes of symmetry, or a body that tumbles would slowly leave its orbit.
 pub(super) fn ellipsoid_markers(axes: [f64; 3], spacing: f64) -> Soa3 {
     let [a, b, c] = axes;
-    let density = |t: f64, p: f64| {
-        let across = (b * p.cos()).powi(2) + (a * p.sin()).powi(2);
-        t.sin() * ((c * t.sin()).powi(2) * across + (a * b * t.cos()).powi(2)).sqrt()
-    };
-    let ring = |t: f64| cumulative(AZIMUTH, TAU, |p| density(t, p));
-    let polar = cumulative(POLAR, 0.5 * TAU, |t| ring(t)[AZIMUTH]);
-    let count = (polar[POLAR] / spacing.powi(2)).round().max(12.0) as usize;
+    if a == b && b == c {
+        return spiral(a, spacing);
+    }
+    let unlike = |pole: usize| (axes[(pole + 1) % 3] / axes[(pole + 2) % 3]).ln().abs();
+    let pole = (0..3).min_by(|p, q| unlike(*p).total_cmp(&unlike(*q))).unwrap_or(2);
+    let turned = [1, 2, 0].map(|k| axes[(pole + k) % 3]);
+    let mut markers = Soa3::default();
+    for x in rings(turned, spacing) {
+        let mut at = Vec3::zeros();
+        for (k, value) in [1, 2, 0].into_iter().zip(x) {
+            at[(pole + k) % 3] = value;
+        }
+        markers.push(at);
+    }
+    markers
+}
+
+/// A golden spiral on a sphere, one marker to each `spacing^2`.
+fn spiral(radius: f64, spacing: f64) -> Soa3 {
+    let count = (2.0 * TAU * (radius / spacing).powi(2)).round().max(12.0) as usize;
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     (0..count)
         .map(|i| {
-            let t = quantile(&polar, 0.5 * TAU, (i as f64 + 0.5) / count as f64);
-            let p = quantile(&ring(t), TAU, (golden * i as f64).fract());
-            Vec3::new(a * t.sin() * p.cos(), b * t.sin() * p.sin(), c * t.cos())
+            let z = 1.0 - (2 * i + 1) as f64 / count as f64;
+            let (s, c) = (TAU * (golden * i as f64).fract()).sin_cos();
+            let rho = (1.0 - z * z).sqrt();
+            Vec3::new(rho * c, rho * s, z) * radius
         })
         .collect()
+}
+
+/// Rings about the last axis, `spacing` apart along the mean meridian, with a multiple of four markers each, `spacing` apart
+/// along the ring.
+fn rings([a, b, c]: [f64; 3], spacing: f64) -> Vec<[f64; 3]> {
+    let across = (a * b).sqrt();
+    let meridian = cumulative(POLAR, 0.5 * TAU, |t| (across * t.cos()).hypot(c * t.sin()));
+    let around = cumulative(AZIMUTH, TAU, |p| (a * p.sin()).hypot(b * p.cos()));
+    let count = (meridian[POLAR] / spacing).round().max(3.0);
+    let mut markers = Vec::new();
+    for i in 0..count as usize {
+        let t = quantile(&meridian, 0.5 * TAU, (i as f64 + 0.5) / count);
+        let n = 4.0 * (0.25 * around[AZIMUTH] * t.sin() / spacing).round().max(1.0);
+        for j in 0..n as usize {
+            let p = quantile(&around, TAU, (j as f64 + 0.5) / n);
+            markers.push([a * t.sin() * p.cos(), b * t.sin() * p.sin(), c * t.cos()]);
+        }
+    }
+    markers
 }
 
 /// Integral of `f` from 0 to each of `n` equal parts of `length`, by the midpoint rule.
@@ -145,6 +179,23 @@ mod tests {
             let least = gaps.iter().copied().fold(f64::INFINITY, f64::min);
             let greatest = gaps.iter().copied().fold(0.0, f64::max);
             assert!(least > 0.6 && greatest < 1.3, "{axes:?}: {least} to {greatest}");
+        }
+    }
+
+    #[test]
+    fn markers_of_a_spheroid_have_its_planes_of_symmetry() {
+        for axes in [[9.0, 3.0, 3.0], [3.0, 8.0, 3.0], [8.0, 8.0, 2.0], [3.0, 5.0, 8.0]] {
+            let x = ellipsoid_markers(axes, 1.0);
+            for a in 0..3 {
+                let mirrored = |p: Vec3| {
+                    let mut q = p;
+                    q[a] = -q[a];
+                    x.iter().any(|r| (r - q).norm() < 1e-9)
+                };
+                assert!(x.iter().all(mirrored), "{axes:?}, axis {a}");
+            }
+            let outside = |p: Vec3| (0..3).map(|a| (p[a] / axes[a]).powi(2)).sum::<f64>() - 1.0;
+            assert!(x.iter().all(|p| outside(p).abs() < 1e-12));
         }
     }
 
