@@ -85,13 +85,12 @@ impl Lattice for Fluid {
             bricks,
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
-            odd: self.odd,
             tally: self.drive.is_flux(),
         };
-        let few = self.mask.fluid_nodes < FEW_NODES;
+        let (few, odd) = (self.mask.fluid_nodes < FEW_NODES, self.odd);
         parallel::for_pieces(few, &mut self.balances, PIECE, |first, balances| {
             // SAFETY: each row is worked on once, and `self` is exclusive.
-            unsafe { step.rows(first, balances) }
+            unsafe { step.rows(first, balances, odd) }
         });
         self.interpolate();
         self.odd = !self.odd;
@@ -132,12 +131,13 @@ impl Lattice for Fluid {
         };
         let unit = self.velocity_unit();
         for row in &self.links.rows {
-            for run in &self.links.runs[row.runs.clone()] {
-                let start = (row.k * ny + row.j) * nx + run.start;
-                let range = start..start + run.len();
+            for run in row.runs.clone() {
+                let nodes = self.links.runs[run].clone();
+                let start = (row.k * ny + row.j) * nx + nodes.start;
+                let range = start..start + nodes.len();
                 let [x, y, z] = all.velocity.each_mut().map(|v| &mut v[range.clone()]);
                 let pressure = &mut all.pressure[range.clone()];
-                self.moments(row.j, row.k, run.clone(), [pressure, x, y, z]);
+                self.moments(run, nodes, [pressure, x, y, z]);
                 for p in &mut all.pressure[range.clone()] {
                     *p *= self.density * unit * unit / 3.0;
                 }
@@ -191,7 +191,7 @@ impl Fluid {
         self.owed = [self.owed[0] + gained, self.owed[0]];
     }
 
-    fn read_brick(&self, brick: &[usize; 3], force: [&[f64]; 3], to: [&mut [f64]; 3]) {
+    fn read_brick(&self, brick: &[usize; 3], force: [&[f64]; 3], mut to: [&mut [f64]; 3]) {
         let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
         let (unit, scale) = (self.velocity_unit(), self.force_scale());
         let shape = self.grid.shape;
@@ -199,13 +199,28 @@ impl Fluid {
         let mut moments = [[0.0; BRICK_EDGE]; 4];
         for k in z..(z + BRICK_EDGE).min(shape[2]) {
             for j in y..(y + BRICK_EDGE).min(shape[1]) {
-                self.moments(j, k, x..end, moments.each_mut().map(|m| m.as_mut_slice()));
-                let solid = &self.mask.row(j, k)[x..end];
                 let at = ((k - z) * BRICK_EDGE + (j - y)) * BRICK_EDGE;
-                for a in 0..3 {
-                    for (i, solid) in solid.iter().enumerate() {
-                        let half = 0.5 * (force[a][at + i] * scale + self.force[a][0]);
-                        to[a][at + i] = if *solid { 0.0 } else { (moments[a + 1][i] + half) * unit };
+                for to in to.iter_mut() {
+                    to[at..at + end - x].fill(0.0);
+                }
+                let runs = self
+                    .links
+                    .row_at(j, k)
+                    .map_or(0..0, |row| self.links.rows[row].runs.clone());
+                for run in runs {
+                    let nodes = &self.links.runs[run];
+                    let nodes = nodes.start.max(x)..nodes.end.min(end);
+                    if nodes.is_empty() {
+                        continue;
+                    }
+                    let at = at + nodes.start - x;
+                    let len = nodes.len();
+                    self.moments(run, nodes, moments.each_mut().map(|m| m.as_mut_slice()));
+                    for a in 0..3 {
+                        for i in 0..len {
+                            let half = 0.5 * (force[a][at + i] * scale + self.force[a][0]);
+                            to[a][at + i] = (moments[a + 1][i] + half) * unit;
+                        }
                     }
                 }
             }
@@ -250,21 +265,17 @@ impl Fluid {
 
     fn check_row(&self, row: &Row) -> Option<FluidError> {
         const PIECE: usize = 64;
-        let runs = &self.links.runs[row.runs.clone()];
-        let pieces = runs.iter().flat_map(|run| {
-            run.clone()
+        let pieces = row.runs.clone().flat_map(|run| {
+            let nodes = self.links.runs[run].clone();
+            let end = nodes.end;
+            nodes
                 .step_by(PIECE)
-                .map(|start| start..(start + PIECE).min(run.end))
+                .map(move |start| (run, start..(start + PIECE).min(end)))
         });
         let mut moments = [[0.0; PIECE]; 4];
-        for run in pieces {
-            self.moments(
-                row.j,
-                row.k,
-                run.clone(),
-                moments.each_mut().map(|m| &mut m[..run.len()]),
-            );
-            for i in 0..run.len() {
+        for (run, nodes) in pieces {
+            self.moments(run, nodes.clone(), moments.each_mut().map(|m| m.as_mut_slice()));
+            for i in 0..nodes.len() {
                 let [density, x, y, z] = [0, 1, 2, 3].map(|m| moments[m][i]);
                 let mach = (3.0 * (x * x + y * y + z * z)).sqrt();
                 let what = if !density.is_finite() || !mach.is_finite() {
@@ -275,7 +286,7 @@ impl Fluid {
                     continue;
                 };
                 return Some(FluidError::Diverged {
-                    node: [run.start + i, row.j, row.k],
+                    node: [nodes.start + i, row.j, row.k],
                     step: self.steps,
                     what,
                 });
