@@ -65,22 +65,26 @@ impl Step<'_> {
     pub unsafe fn rows(&self, first: usize, balances: &mut [Balance], odd: bool) {
         let mut ahead = Ahead::new();
         for (n, balance) in balances.iter_mut().enumerate() {
+            // Behind the last row there is nothing to fetch; the row itself does no harm.
+            let next = (first + n + 1).min(self.links.rows.len() - 1);
             // SAFETY: as for this function.
-            *balance = unsafe { self.row(first + n, odd, &mut ahead) };
+            *balance = unsafe { self.row(first + n, odd, (next, odd), &mut ahead) };
         }
     }
 
-    /// Collides and streams one row.
+    /// Collides and streams one row; `next` is likely to come after it, in an odd step or not.
     ///
     /// # Safety
     /// As for [`Step::rows`].
     #[inline]
-    pub unsafe fn row(&self, row: usize, odd: bool, ahead: &mut Ahead) -> Balance {
+    pub unsafe fn row(&self, row: usize, odd: bool, next: (usize, bool), ahead: &mut Ahead) -> Balance {
         let row = &self.links.rows[row];
         let mut balance = Balance::default();
         let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
+        let next = (self.links.rows[next.0].runs.start, next.1);
         for run in row.runs.clone() {
-            let work = self.look_ahead(run, odd, ahead);
+            let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
+            let work = self.look_ahead((run, odd), next, ahead);
             let run = &self.links.runs[run];
             if touched {
                 // SAFETY: the places of this run are ours.
@@ -101,22 +105,20 @@ impl Step<'_> {
         balance
     }
 
-    /// A run, with the one that is likely to come after it.
+    /// A run, with the one that is likely to come after it, each in an odd step or not.
     #[inline]
-    fn look_ahead<'a>(&self, run: usize, odd: bool, ahead: &'a mut Ahead) -> Work<'a> {
+    fn look_ahead<'a>(&self, run: (usize, bool), after: (usize, bool), ahead: &'a mut Ahead) -> Work<'a> {
         let here = ahead.next;
-        if ahead.run != Some((run, odd)) {
-            self.links.pointers(run, odd, self.storage, &mut ahead.places[here]);
+        if ahead.run != Some(run) {
+            self.links.pointers(run.0, run.1, self.storage, &mut ahead.places[here]);
         }
-        // Behind the last run there is nothing to fetch; the run itself does no harm.
-        let after = (run + 1).min(self.links.runs.len() - 1);
         self.links
-            .pointers(after, odd, self.storage, &mut ahead.places[1 - here]);
+            .pointers(after.0, after.1, self.storage, &mut ahead.places[1 - here]);
         ahead.next = 1 - here;
-        ahead.run = Some((after, odd));
+        ahead.run = Some(after);
         Work {
             places: &ahead.places[here],
-            next: (&ahead.places[1 - here], self.links.runs[after].start),
+            next: (&ahead.places[1 - here], self.links.runs[after.0].start),
         }
     }
 
