@@ -10,9 +10,10 @@
 //! would share: exchanging what is in them is halfway bounce-back on both sides. Such links, and what interpolation adds
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
-use crate::d3q19::{C, Q, opposite, weight};
+use crate::collide::Places;
 use crate::mask::Mask;
 use crate::rule::{Shares, WallRule};
+use crate::stencil::{Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
@@ -65,12 +66,24 @@ pub struct Row {
     pub wraps_in: Range<usize>,
 }
 
+/// In place of the number of a row without fluid.
+const NO_ROW: u32 = u32::MAX;
+
 /// All rows and links, in the order of the rows.
 #[derive(Default)]
 pub struct Links {
     pub rows: Vec<Row>,
     /// Fluid nodes `start..end` of a row.
     pub runs: Vec<Range<usize>>,
+    /// Where node 0 of the row of each run finds its populations in an even step, then in an odd one; see
+    /// [`Links::places`].
+    places: Vec<i32>,
+    /// Number of each row (`j`, `k`), j fastest; [`NO_ROW`] where there is no fluid.
+    row_at: Vec<u32>,
+    /// Rows of a plane.
+    ny: usize,
+    /// Number of populations.
+    q: usize,
     /// Links into walls.
     pub walls: Vec<Link>,
     /// The population that comes back from the wall.
@@ -122,6 +135,9 @@ impl<'a> Maker<'a> {
         let Between { thin, closed_gaps } = self.surface.between(self.mask);
         let mut links = Links {
             closed_gaps,
+            ny: self.surface.grid.shape[1],
+            q: self.storage.velocities().q(),
+            row_at: vec![NO_ROW; self.surface.grid.shape[1] * self.surface.grid.shape[2]],
             ..Links::default()
         };
         for &(node, i) in &thin {
@@ -145,6 +161,8 @@ impl<'a> Maker<'a> {
                     }
                 }
                 self.add_outgoing(j, k, &mut links);
+                self.add_places(j, k, starts[0], &mut links);
+                links.row_at[k * ny + j] = links.rows.len() as u32;
                 let ends = links.ends();
                 let range = |n: usize| starts[n]..ends[n];
                 links.rows.push(Row {
@@ -164,15 +182,19 @@ impl<'a> Maker<'a> {
                 links.thin.push(sides);
             }
         }
-        links.balance_pushes(self.rule);
+        links.balance_pushes(self.rule, self.storage.velocities());
         links
+    }
+
+    fn c(&self, i: usize) -> [isize; 3] {
+        self.storage.velocities().c(i).map(|c| c as isize)
     }
 
     fn add_incoming(&self, node: [usize; 3], links: &mut Links) {
         let [x, j, k] = node.map(|i| i as isize);
         let nx = self.surface.grid.shape[0] as isize;
-        for i in 1..Q {
-            let [cx, cy, cz] = C[i].map(|c| c as isize);
+        for i in 1..self.storage.velocities().q() {
+            let [cx, cy, cz] = self.c(i);
             let source = x - cx;
             let solid = self.mask.is_solid(source, j - cy, k - cz);
             if !solid && (0..nx).contains(&source) {
@@ -201,6 +223,25 @@ impl<'a> Maker<'a> {
         }
     }
 
+    /// Places of the runs from number `first` on.
+    fn add_places(&self, j: usize, k: usize, first: usize, links: &mut Links) {
+        for run in first..links.runs.len() {
+            let x = links.runs[run].start as isize;
+            for i in 0..links.q {
+                links
+                    .places
+                    .push((self.storage.place(i, x, j as isize, k as isize) - x) as i32);
+            }
+            for i in 0..links.q {
+                let [cx, cy, cz] = self.c(i);
+                let [sj, sk] = self.storage.wrapped(j as isize - cy, k as isize - cz);
+                links
+                    .places
+                    .push((self.storage.place(opposite(i), x - cx, sj, sk) - x) as i32);
+            }
+        }
+    }
+
     fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
         match self.rule {
             WallRule::Halfway => self.surface.halfway(node, i),
@@ -211,7 +252,7 @@ impl<'a> Maker<'a> {
     /// The link of `node` whose returning population is `i`.
     fn cut(&self, node: [usize; 3], i: usize, link: Link, meeting: Meeting, links: &mut Links) -> Cut {
         let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let [cx, cy, cz] = self.c(i);
         let o = opposite(i);
         let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
         let severed = self.severed.binary_search(&(node, o)).is_ok();
@@ -239,7 +280,7 @@ impl<'a> Maker<'a> {
     /// The side of a thin wall on which `node` lies, population `i` returning to it.
     fn side(&self, node: [usize; 3], i: usize, links: &mut Links) -> Side {
         let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let [cx, cy, cz] = self.c(i);
         let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
         let link = Link {
             ghost: self.storage.index(opposite(i), x - cx, sj, sk),
@@ -261,8 +302,8 @@ impl<'a> Maker<'a> {
     /// The places at the two ends of row (`j`, `k`) that nodes at the other end use in an odd step.
     fn add_outgoing(&self, j: usize, k: usize, links: &mut Links) {
         let (j, k, nx) = (j as isize, k as isize, self.surface.grid.shape[0] as isize);
-        for m in 1..Q {
-            let [cx, cy, cz] = C[m].map(|c| c as isize);
+        for m in 1..self.storage.velocities().q() {
+            let [cx, cy, cz] = self.c(m);
             let (end, ghost) = match cx {
                 1 => (0, nx),
                 -1 => (nx - 1, -1),
@@ -279,6 +320,34 @@ impl<'a> Maker<'a> {
 }
 
 impl Links {
+    /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:
+    /// at home before an even step, in the neighbours before an odd one, there in the array of the opposite population.
+    #[inline(always)]
+    pub fn places(&self, run: usize, odd: bool) -> &[i32] {
+        let first = (2 * run + usize::from(odd)) * self.q;
+        &self.places[first..][..self.q]
+    }
+
+    /// The same as pointers.
+    #[inline]
+    pub fn pointers(&self, run: usize, odd: bool, storage: &Storage, to: &mut Places) {
+        let (arrays, data) = (storage.arrays(), storage.data());
+        let bytes = storage.precision().bytes() as isize;
+        let turned = usize::from(odd);
+        for (i, place) in self.places(run, odd).iter().enumerate() {
+            // The opposite population is the neighbour in its pair.
+            let array = if i == 0 { 0 } else { ((i - 1) ^ turned) + 1 };
+            to[i] = data.wrapping_offset((arrays[array] as isize + *place as isize) * bytes);
+        }
+    }
+
+    /// Number of row (`j`, `k`), if it has fluid.
+    #[inline(always)]
+    pub fn row_at(&self, j: usize, k: usize) -> Option<usize> {
+        let row = self.row_at.get(k * self.ny + j).copied().unwrap_or(NO_ROW);
+        (row != NO_ROW).then_some(row as usize)
+    }
+
     fn ends(&self) -> [usize; 5] {
         [
             self.runs.len(),
@@ -301,20 +370,22 @@ impl Links {
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
     /// they are.
-    fn balance_pushes(&mut self, rule: WallRule) {
+    fn balance_pushes(&mut self, rule: WallRule, velocities: Velocities) {
         let sides = || self.thin.iter().flatten();
         let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
         if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {
             self.pushes.clear();
         } else if rule != WallRule::Halfway {
             let directions = self.directions.iter().map(|d| usize::from(*d));
-            let weights = directions.chain(sides().map(|s| s.cut.direction)).map(weight);
+            let weights = directions
+                .chain(sides().map(|s| s.cut.direction))
+                .map(|i| velocities.weight(i));
             let share = all / weights.sum::<f64>();
             for (push, direction) in self.pushes.iter_mut().zip(&self.directions) {
-                *push -= share * weight(usize::from(*direction));
+                *push -= share * velocities.weight(usize::from(*direction));
             }
             for side in self.thin.iter_mut().flatten() {
-                side.push -= share * weight(side.cut.direction);
+                side.push -= share * velocities.weight(side.cut.direction);
             }
         }
     }
