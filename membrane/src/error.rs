@@ -90,6 +90,26 @@ pub enum MembraneError {
         /// Its value, SI.
         value: f64,
     },
+    /// A quantity that must be finite is not.
+    #[error("{what} is {value:.4e}, it must be finite")]
+    NotFiniteValue {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// A quantity lies outside its range.
+    #[error("{what} is {value:.4e}, it must lie between {low:.4e} and {high:.4e}")]
+    OutOfRange {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+        /// Its lower bound, SI.
+        low: f64,
+        /// Its upper bound, SI.
+        high: f64,
+    },
     /// No biconcave profile has the asked diameter, volume, area and thickness.
     #[error(
         "no biconcave disc of diameter {diameter:.4e} m has volume {volume:.4e} m3, area {area:.4e} m2 and thickness {thickness:.4e} m (least relative error reached {error:.1e}); change one of them, a sphere of this volume has area {sphere_area:.4e} m2"
