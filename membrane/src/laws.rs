@@ -5,9 +5,11 @@
 //! [`Volume`]. `Corrected`: [`Stretching`] and [`Volume`] as they are, for they derive from an energy, with
 //! [`Bending`], [`LocalArea`] and [`GlobalArea`], the gradients of energies with the same response at small strain.
 //!
+//! [`NeoHookean`] and [`Skalak`] are membranes with a strain energy in their plane, for capsules and red blood cells.
+//!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
-//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
+//! | [`NeoHookean`], [`Skalak`], [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
 //! | [`Balanced`] | 0 | 0 | no |
@@ -18,7 +20,10 @@ mod balanced;
 mod bending;
 mod bending_2011;
 mod hinge;
+mod hyperelastic;
+mod neo_hookean;
 mod rigid;
+mod skalak;
 mod stretching;
 mod volume;
 
@@ -27,6 +32,8 @@ pub use area_2011::{Area2011, Reach};
 pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;
+pub use neo_hookean::NeoHookean;
+pub use skalak::Skalak;
 pub use stretching::Stretching;
 pub use volume::Volume;
 
