@@ -5,13 +5,14 @@
 //! [`Volume`]. `Corrected`: [`Stretching`] and [`Volume`] as they are, for they derive from an energy, with
 //! [`Bending`], [`LocalArea`] and [`GlobalArea`], the gradients of energies with the same response at small strain.
 //!
-//! Beside them stand laws of the physics of cells: shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`]
-//! or [`Helfrich`], the [`CorticalTension`] of a leucocyte and the [`Viscosity`] of the membrane.
+//! Beside them stand laws of the physics of cells: [`NeoHookean`] and [`Skalak`] membranes with a strain energy in their
+//! plane, shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`] or [`Helfrich`], the [`CorticalTension`] of
+//! a leucocyte and the [`Viscosity`] of the membrane.
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
 //! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
-//! | [`WormLikeChain`], [`KantorNelson`], [`Helfrich`], [`CorticalTension`] | 0 | 0 | yes |
+//! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`], [`CorticalTension`] | 0 | 0 | yes |
 //! | [`Viscosity`] | 0 | 0 | no, it takes power |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
@@ -25,8 +26,11 @@ mod bending_2011;
 mod cortical;
 mod helfrich;
 mod hinge;
+mod hyperelastic;
 mod kantor_nelson;
+mod neo_hookean;
 mod rigid;
+mod skalak;
 mod stretching;
 mod viscosity;
 mod volume;
@@ -40,6 +44,8 @@ pub use bending_2011::Bending2011;
 pub use cortical::CorticalTension;
 pub use helfrich::Helfrich;
 pub use kantor_nelson::KantorNelson;
+pub use neo_hookean::NeoHookean;
+pub use skalak::Skalak;
 pub use stretching::Stretching;
 pub use viscosity::Viscosity;
 pub use volume::Volume;

@@ -3,8 +3,8 @@
 use lbm_ibm_coupling::nalgebra::Rotation3;
 use lbm_ibm_coupling::{ImmersedBody, Soa3, Vec3};
 use lbm_ibm_membrane::laws::{
-    Area2011, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, Reach, Stretching,
-    Volume, WormLikeChain,
+    Area2011, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, NeoHookean, Reach,
+    Skalak, Stretching, Volume, WormLikeChain,
 };
 use lbm_ibm_membrane::{Disc, Form, Law, Mesh, Moduli, Spacing, presets};
 use proptest::prelude::*;
@@ -25,6 +25,8 @@ fn with_memory() -> Vec<Box<dyn Law>> {
             Box::new(Volume::new(m, M.volume)?),
             Box::new(WormLikeChain::new(m, 5e-6)?),
             Box::new(KantorNelson::new(m, 3e-19)?),
+            Box::new(NeoHookean::new(m, 5e-6)?),
+            Box::new(Skalak::new(m, 5e-6, 10.0)?),
         ])
     };
     build().expect("positive moduli")
