@@ -72,6 +72,15 @@ pub enum MembraneError {
         /// Node number.
         node: usize,
     },
+    /// A mesh file cannot be read.
+    #[cfg(feature = "import")]
+    #[error("{path} gives no mesh: {reason}")]
+    Import {
+        /// The file.
+        path: String,
+        /// What is wrong with it, and the remedy.
+        reason: String,
+    },
     /// A generator was asked for too few nodes.
     #[error("{nodes} nodes are too few for a {shape}, it needs at least {least}")]
     TooFewNodes {
