@@ -186,4 +186,40 @@ pub enum SceneError {
         /// Step of the scene.
         step: u64,
     },
+    /// An edge has become too long.
+    #[error(
+        "body {body} ({kind}): the edge between nodes {} and {} is {stretch:.2} times its length at rest at step {step}, the limit is {limit:.2}; use a stiffer law, a smaller time step, or a higher limit", nodes[0], nodes[1]
+    )]
+    StretchedEdge {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// Nodes of the edge, numbered within the body.
+        nodes: [u32; 2],
+        /// Length over length at rest.
+        stretch: f64,
+        /// Greatest allowed.
+        limit: f64,
+        /// Step of the scene.
+        step: u64,
+    },
+    /// A triangle has turned over onto its neighbour.
+    #[error(
+        "body {body} ({kind}): triangles {} and {} have turned {degrees:.0} degrees against each other at step {step}, the limit is {limit_degrees:.0}: one of them is inverted; use stiffer bending, more nodes, or a smaller time step", triangles[0], triangles[1]
+    )]
+    InvertedTriangle {
+        /// Body number.
+        body: u32,
+        /// What the body is.
+        kind: String,
+        /// The two triangles of the body.
+        triangles: [u32; 2],
+        /// Angle between their normals, degrees.
+        degrees: f64,
+        /// Greatest allowed, degrees.
+        limit_degrees: f64,
+        /// Step of the scene.
+        step: u64,
+    },
 }

@@ -1,5 +1,7 @@
 //! Watches a run and names the first thing that goes wrong.
 
+mod edges;
+
 use crate::{BodyInfo, Boundary, Domain, SceneError, Soa3Ref, Vec3, enclosed_volume, surface_area};
 
 /// What a run may do before it is ended with a [`SceneError`].
@@ -15,6 +17,11 @@ pub struct Guard {
     pub area: f64,
     /// Least area of a triangle relative to rest.
     pub triangle: f64,
+    /// Greatest length of an edge relative to rest.
+    pub stretch: f64,
+    /// Greatest angle between the normals of two neighbouring triangles, rad: near pi one of them has turned over. Triangles
+    /// that enclose more at rest are not looked at.
+    pub fold: f64,
     /// Greatest depth of a node in a wall, m.
     pub depth: f64,
 }
@@ -27,6 +34,8 @@ impl Default for Guard {
             volume: 0.05,
             area: 1.0,
             triangle: 1e-3,
+            stretch: 10.0,
+            fold: 175.0_f64.to_radians(),
             depth: 0.0,
         }
     }
@@ -38,6 +47,7 @@ pub(crate) struct RestShape {
     volume: f64,
     area: f64,
     triangle: Vec<f64>,
+    edges: Vec<edges::Edge>,
 }
 
 impl RestShape {
@@ -46,6 +56,7 @@ impl RestShape {
             volume: enclosed_volume(x, triangles),
             area: surface_area(x, triangles),
             triangle: triangles.iter().map(|t| surface_area(x, &[*t])).collect(),
+            edges: edges::of(x, triangles),
         }
     }
 }
@@ -135,7 +146,7 @@ impl Guard {
                 });
             }
         }
-        Ok(())
+        self.edges(body, &rest.edges, scope.x, scope.step)
     }
 }
 

@@ -72,6 +72,15 @@ pub enum MembraneError {
         /// Node number.
         node: usize,
     },
+    /// A mesh file cannot be read.
+    #[cfg(feature = "import")]
+    #[error("{path} gives no mesh: {reason}")]
+    Import {
+        /// The file.
+        path: String,
+        /// What is wrong with it, and the remedy.
+        reason: String,
+    },
     /// A generator was asked for too few nodes.
     #[error("{nodes} nodes are too few for a {shape}, it needs at least {least}")]
     TooFewNodes {
@@ -89,6 +98,26 @@ pub enum MembraneError {
         what: &'static str,
         /// Its value, SI.
         value: f64,
+    },
+    /// A quantity that must be finite is not.
+    #[error("{what} is {value:.4e}, it must be finite")]
+    NotFiniteValue {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// A quantity lies outside its range.
+    #[error("{what} is {value:.4e}, it must lie between {low:.4e} and {high:.4e}")]
+    OutOfRange {
+        /// Which quantity.
+        what: &'static str,
+        /// Its value, SI.
+        value: f64,
+        /// Its lower bound, SI.
+        low: f64,
+        /// Its upper bound, SI.
+        high: f64,
     },
     /// No biconcave profile has the asked diameter, volume, area and thickness.
     #[error(

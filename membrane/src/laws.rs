@@ -5,9 +5,15 @@
 //! [`Volume`]. `Corrected`: [`Stretching`] and [`Volume`] as they are, for they derive from an energy, with
 //! [`Bending`], [`LocalArea`] and [`GlobalArea`], the gradients of energies with the same response at small strain.
 //!
+//! Beside them stand laws of the physics of cells: [`NeoHookean`] and [`Skalak`] membranes with a strain energy in their
+//! plane, shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`] or [`Helfrich`], the [`CorticalTension`] of
+//! a leucocyte and the [`Viscosity`] of the membrane.
+//!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
 //! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
+//! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`], [`CorticalTension`] | 0 | 0 | yes |
+//! | [`Viscosity`] | 0 | 0 | no, it takes power |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
 //! | [`Balanced`] | 0 | 0 | no |
@@ -17,18 +23,33 @@ mod area_2011;
 mod balanced;
 mod bending;
 mod bending_2011;
+mod cortical;
+mod helfrich;
 mod hinge;
+mod hyperelastic;
+mod kantor_nelson;
+mod neo_hookean;
 mod rigid;
+mod skalak;
 mod stretching;
+mod viscosity;
 mod volume;
+mod worm_like_chain;
 
 pub use area::{GlobalArea, LocalArea};
 pub use area_2011::{Area2011, Reach};
 pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;
+pub use cortical::CorticalTension;
+pub use helfrich::Helfrich;
+pub use kantor_nelson::KantorNelson;
+pub use neo_hookean::NeoHookean;
+pub use skalak::Skalak;
 pub use stretching::Stretching;
+pub use viscosity::Viscosity;
 pub use volume::Volume;
+pub use worm_like_chain::WormLikeChain;
 
 pub(crate) use rigid::take_off;
 

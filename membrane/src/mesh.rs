@@ -2,6 +2,8 @@
 
 mod disc;
 mod hull;
+#[cfg(feature = "import")]
+mod import;
 mod quality;
 mod relax;
 mod shapes;

@@ -2,7 +2,10 @@
 
 use lbm_ibm_coupling::nalgebra::Rotation3;
 use lbm_ibm_coupling::{ImmersedBody, Soa3, Vec3};
-use lbm_ibm_membrane::laws::{Area2011, Bending, Bending2011, GlobalArea, LocalArea, Reach, Stretching, Volume};
+use lbm_ibm_membrane::laws::{
+    Area2011, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, NeoHookean, Reach,
+    Skalak, Stretching, Volume, WormLikeChain,
+};
 use lbm_ibm_membrane::{Disc, Form, Law, Mesh, Moduli, Spacing, presets};
 use proptest::prelude::*;
 use std::sync::{Arc, LazyLock};
@@ -10,8 +13,8 @@ use std::sync::{Arc, LazyLock};
 static MESH: LazyLock<Mesh> = LazyLock::new(|| Disc::RBC_PAPER.mesh(120, Spacing::Even).expect("the disc meshes"));
 const M: Moduli = Moduli::RBC_PAPER;
 
-/// Laws that derive from an energy.
-fn with_energy() -> Vec<Box<dyn Law>> {
+/// Laws that derive from an energy and remember the rest shape.
+fn with_memory() -> Vec<Box<dyn Law>> {
     let m = &*MESH;
     let build = || -> Result<Vec<Box<dyn Law>>, lbm_ibm_membrane::MembraneError> {
         Ok(vec![
@@ -20,9 +23,36 @@ fn with_energy() -> Vec<Box<dyn Law>> {
             Box::new(LocalArea::new(m, LocalArea::modulus_from_2011(m, M.local_area))?),
             Box::new(GlobalArea::new(m, LocalArea::modulus_from_2011(m, M.global_area))?),
             Box::new(Volume::new(m, M.volume)?),
+            Box::new(WormLikeChain::new(m, 5e-6)?),
+            Box::new(KantorNelson::new(m, 3e-19)?),
+            Box::new(NeoHookean::new(m, 5e-6)?),
+            Box::new(Skalak::new(m, 5e-6, 10.0)?),
         ])
     };
     build().expect("positive moduli")
+}
+
+/// Laws that derive from an energy and do not.
+fn without_memory() -> Vec<Box<dyn Law>> {
+    let m = &*MESH;
+    let build = || -> Result<Vec<Box<dyn Law>>, lbm_ibm_membrane::MembraneError> {
+        Ok(vec![
+            Box::new(KantorNelson::new(m, 3e-19)?.flat()),
+            Box::new(Helfrich::new(m, 2e-19)?),
+            Box::new(
+                Helfrich::new(m, 2e-19)?
+                    .with_spontaneous_curvature(-2e5)?
+                    .with_area_difference(m, 4e-19, 30e-6)?,
+            ),
+            Box::new(CorticalTension::new(m, 30e-6)?),
+        ])
+    };
+    build().expect("positive moduli")
+}
+
+/// Laws that derive from an energy.
+fn with_energy() -> Vec<Box<dyn Law>> {
+    with_memory().into_iter().chain(without_memory()).collect()
 }
 
 /// Laws of 2011 that do not.
@@ -107,8 +137,9 @@ fn laws_of_2011_keep_force_or_nothing_and_by_how_much() {
 
 #[test]
 fn forces_are_minus_the_gradient_of_the_energy() {
-    let step = 1e-5 * MESH.mean_edge();
+    let step = 1e-4 * MESH.mean_edge();
     for mut law in with_energy() {
+        let mut worst = 0.0_f64;
         let mut x = deformed(0.2, 3);
         let f = forces(&mut *law, &x);
         let scale = f.iter().map(|f| f.amax()).fold(0.0, f64::max);
@@ -124,9 +155,11 @@ fn forces_are_minus_the_gradient_of_the_energy() {
                 let slope = (energy(-2.0) - 8.0 * energy(-1.0) + 8.0 * energy(1.0) - energy(2.0)) / (12.0 * step);
                 x.set(i, at);
                 let error = (f.get(i)[axis] + slope).abs() / scale;
-                assert!(error < 1e-6, "{} node {i} axis {axis}: {error:.1e}", law.name());
+                assert!(error < 1e-7, "{} node {i} axis {axis}: {error:.1e}", law.name());
+                worst = worst.max(error);
             }
         }
+        println!("{}: {worst:.1e}", law.name());
     }
 }
 
@@ -134,7 +167,7 @@ fn forces_are_minus_the_gradient_of_the_energy() {
 fn the_reference_is_at_rest() {
     let x: Soa3 = MESH.nodes().iter().collect();
     let far = deformed(0.2, 1);
-    for mut law in with_energy().into_iter().chain(without_energy()) {
+    for mut law in with_memory().into_iter().chain(without_energy()) {
         let largest = |f: Soa3| f.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let (rest, pulled) = (largest(forces(&mut *law, &x)), largest(forces(&mut *law, &far)));
         assert!(rest < 1e-12 * pulled, "{}: {rest:.1e} of {pulled:.1e}", law.name());

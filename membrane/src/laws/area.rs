@@ -46,7 +46,7 @@ impl LocalArea {
 
 /// Adds `-strength` times the gradient of a triangle's area: on each node along its height.
 #[inline]
-fn add_tension(x: Soa3Ref<'_>, triangle: [u32; 3], force: &mut Soa3Mut<'_>, strength: impl Fn(f64) -> f64) {
+pub(super) fn add_tension(x: Soa3Ref<'_>, triangle: [u32; 3], force: &mut Soa3Mut<'_>, strength: impl Fn(f64) -> f64) {
     let [a, b, c] = corners(x, triangle);
     let normal = twice_area([a, b, c]);
     let size = normal.norm();

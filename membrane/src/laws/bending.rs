@@ -52,24 +52,7 @@ impl Law for Bending {
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         for (&hinge, &rest) in self.hinges.iter().zip(&self.rest) {
             let h = Hinge::at(x, hinge);
-            let [a, b, c, d] = [
-                hinge[0] as usize,
-                hinge[1] as usize,
-                hinge[2] as usize,
-                hinge[3] as usize,
-            ];
-            let length = h.edge.norm();
-            // theta grows as an opposite node goes outwards, by one over its height; where the foot of the height lies
-            // along the edge tells how the edge's nodes share the reaction.
-            let strength = -self.modulus * (h.angle() - rest) * length;
-            let first = h.first * (strength / h.first.norm_squared());
-            let second = h.second * (strength / h.second.norm_squared());
-            let along = |i: usize| (x.get(i) - x.get(a)).dot(&h.edge) / (length * length);
-            let (p, q) = (along(c), along(d));
-            force.add(a, first * (p - 1.0) + second * (q - 1.0));
-            force.add(b, -first * p - second * q);
-            force.add(c, first);
-            force.add(d, second);
+            h.add_moment(x, hinge, -self.modulus * (h.angle() - rest), force);
         }
     }
 

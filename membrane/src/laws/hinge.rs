@@ -1,7 +1,7 @@
 //! The angle between two triangles that share an edge.
 
 use crate::mesh::Edge;
-use lbm_ibm_coupling::{Soa3Ref, Vec3};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Vec3};
 use std::f64::consts::PI;
 
 /// A hinge: the edge `a`, `b` between the outward triangles `(a, b, c)` and `(b, a, d)`.
@@ -48,5 +48,37 @@ impl Hinge {
     pub fn heights(&self) -> [f64; 2] {
         let length = self.edge.norm();
         [self.first.norm() / length, self.second.norm() / length]
+    }
+
+    /// Sine and cosine of the angle by which the two normals differ, positive where the cell is convex: pi less the angle
+    /// inside.
+    #[inline]
+    pub fn turn(&self) -> (f64, f64) {
+        let sin = self.first.cross(&self.second).dot(&self.edge) / self.edge.norm();
+        let cos = self.first.dot(&self.second);
+        let size = sin.hypot(cos);
+        (sin / size, cos / size)
+    }
+
+    /// Adds `moment` (J) times the gradient of the angle inside the cell: the forces of an energy E with
+    /// moment = -dE/dtheta.
+    #[inline]
+    pub fn add_moment(&self, x: Soa3Ref<'_>, nodes: [u32; 4], moment: f64, force: &mut Soa3Mut<'_>) {
+        let [a, b, c, d] = nodes.map(|i| i as usize);
+        let square = self.edge.norm_squared();
+        // theta grows as an opposite node goes outwards, by one over its height; where the foot of the height lies
+        // along the edge tells how the edge's nodes share the reaction.
+        let strength = moment * square.sqrt();
+        let first = self.first * (strength / self.first.norm_squared());
+        let second = self.second * (strength / self.second.norm_squared());
+        let start = x.get(a);
+        let (p, q) = (
+            (x.get(c) - start).dot(&self.edge) / square,
+            (x.get(d) - start).dot(&self.edge) / square,
+        );
+        force.add(a, first * (p - 1.0) + second * (q - 1.0));
+        force.add(b, -first * p - second * q);
+        force.add(c, first);
+        force.add(d, second);
     }
 }
