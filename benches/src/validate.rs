@@ -2,6 +2,7 @@
 //! scene has to keep.
 
 pub(crate) mod arrays;
+mod cavity;
 mod cells;
 mod channel;
 mod coupling;
@@ -53,6 +54,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("slit_pore_resistance", Case::Rows(pores::slit_pore_resistance)),
     ("womersley", Case::Rows(unsteady::womersley)),
     ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
+    ("cavity_2d_ghia", Case::Rows(cavity::cavity_2d_ghia)),
+    ("cavity_3d_re1000", Case::Rows(cavity::cavity_3d_re1000)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),
