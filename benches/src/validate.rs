@@ -2,6 +2,7 @@
 //! scene has to keep.
 
 pub(crate) mod arrays;
+mod cavity;
 mod cells;
 mod channel;
 mod coupling;
@@ -9,6 +10,7 @@ mod duct;
 mod finding;
 mod kernels;
 mod leak;
+mod loads;
 mod magnetics;
 mod pores;
 mod profile;
@@ -53,6 +55,10 @@ pub const CASES: &[(&str, Case)] = &[
     ("slit_pore_resistance", Case::Rows(pores::slit_pore_resistance)),
     ("womersley", Case::Rows(unsteady::womersley)),
     ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
+    ("couette", Case::Alone(loads::couette)),
+    ("sphere_loads", Case::Alone(loads::sphere_loads)),
+    ("cavity_2d_ghia", Case::Rows(cavity::cavity_2d_ghia)),
+    ("cavity_3d_re1000", Case::Rows(cavity::cavity_3d_re1000)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),
