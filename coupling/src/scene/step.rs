@@ -1,7 +1,7 @@
 //! One time step.
 
 use super::{Scene, Slot, motion, rigid};
-use crate::{BodyInfo, SceneError, Soa3Mut, Soa3Ref, View};
+use crate::{BodyInfo, Motion, SceneError, Soa3Mut, Soa3Ref, View};
 
 impl Scene {
     /// One time step: the four steps of the immersed boundary method.
@@ -56,6 +56,7 @@ impl Scene {
             &mut self.x,
             &mut self.v,
         );
+        self.constrain();
         rigid::advance(self);
         self.step += 1;
         self.time = self.step as f64 * self.time_step;
@@ -63,6 +64,15 @@ impl Scene {
             self.check()?;
         }
         Ok(())
+    }
+
+    /// Lets each body that has moved node by node keep its own constraints.
+    fn constrain(&mut self) {
+        for (slot, info) in self.bodies.iter_mut().zip(&self.infos) {
+            if !matches!(info.motion, Motion::Rigid | Motion::Frozen) {
+                slot.body.constrain(&mut self.x.slice_mut(info.range.clone()));
+            }
+        }
     }
 
     fn gather_loads(&mut self) {
