@@ -1,15 +1,19 @@
 //! The fluid: its parameters, in SI units.
 
 use crate::drive::{Balance, Drive};
+use crate::element::Precision;
 use crate::error::LbmError;
 use crate::interpolate::Exchanged;
-use crate::isa::{InstructionSet, Kernels};
+use crate::isa::InstructionSet;
+use crate::kernel::{Kernel, build};
 use crate::links::Links;
 use crate::mask::Mask;
-use crate::relaxation::{Coefficients, Collision};
+use crate::model::Model;
+use crate::relaxation::Collision;
 use crate::rule::WallRule;
 use crate::storage::Storage;
-use lbm_ibm_coupling::{Grid, Lattice, Vec3};
+use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
+use std::sync::Arc;
 
 /// Least relaxation time that is accepted: below it no velocity worth computing is stable.
 pub const LEAST_TAU: f64 = 0.5005;
@@ -24,7 +28,7 @@ pub enum Pace {
     Tau(f64),
 }
 
-/// A viscous fluid on a grid by the lattice-Boltzmann method: D3Q19, f64, in place, walls by a [`WallRule`].
+/// A viscous fluid on a grid by the lattice-Boltzmann method, in place, walls by a [`WallRule`].
 ///
 /// ```
 /// use lbm_ibm_coupling::{Bricks, Grid, Lattice};
@@ -49,15 +53,18 @@ pub struct Fluid {
     pub(crate) viscosity: f64,
     pub(crate) time_step: f64,
     pub(crate) tau: f64,
-    pub(crate) collision: Collision,
+    /// None where the model is the user's.
+    pub(crate) collision: Option<Collision>,
     pub(crate) inertia: bool,
     pub(crate) fill_narrow: bool,
     pub(crate) wall_rule: WallRule,
     pub(crate) mach_limit: f64,
     pub(crate) drive: Drive,
-    pub(crate) kernels: Kernels,
-    pub(crate) coefficients: Coefficients,
+    pub(crate) isa: InstructionSet,
+    pub(crate) kernel: Box<dyn Kernel>,
     pub(crate) storage: Storage,
+    /// The walls, and the time at which they were taken.
+    pub(crate) walls: (Option<Arc<dyn Boundary>>, f64),
     pub(crate) mask: Mask,
     pub(crate) links: Links,
     pub(crate) balances: Vec<Balance>,
@@ -96,9 +103,6 @@ impl Fluid {
         if grid.is_empty() {
             return Err(LbmError::EmptyGrid { shape: grid.shape });
         }
-        if !Storage::fits(grid.shape) {
-            return Err(LbmError::GridTooLarge { shape: grid.shape });
-        }
         let diffusive = spacing * spacing * density / viscosity;
         let step_at = |tau: f64| (tau - 0.5) / 3.0 * diffusive;
         let (tau, time_step) = match pace {
@@ -112,22 +116,28 @@ impl Fluid {
                 time_step: step_at(LEAST_TAU),
             });
         }
+        let (isa, collision, precision) = (InstructionSet::best(), Collision::default(), Precision::default());
+        let kernel = collision.kernel(tau, true, isa, precision);
+        if !Storage::fits(grid.shape, kernel.velocities()) {
+            return Err(LbmError::GridTooLarge { shape: grid.shape });
+        }
         let mask = Mask::new(&grid, None, 0.0)?;
         mask.narrowest(&grid, None, 0.0)?;
-        let storage = Storage::new(&grid);
+        let storage = Storage::new(&grid, kernel.velocities(), precision);
         let mut fluid = Self {
             density,
             viscosity,
             time_step,
             tau,
-            collision: Collision::default(),
+            collision: Some(collision),
             inertia: true,
             fill_narrow: false,
             wall_rule: WallRule::default(),
             mach_limit: 0.5,
             drive: Drive::default(),
-            kernels: Kernels::best(),
-            coefficients: Coefficients::new(Collision::default(), tau, true),
+            isa,
+            kernel,
+            walls: (None, 0.0),
             links: Links::default(),
             balances: Vec::new(),
             exchanged: Vec::new(),
@@ -143,7 +153,7 @@ impl Fluid {
             storage,
             mask,
         };
-        fluid.link(None, 0.0);
+        fluid.link();
         Ok(fluid)
     }
 
@@ -153,15 +163,51 @@ impl Fluid {
     /// [`LbmError::NotPositive`] for the magic number.
     pub fn with_collision(mut self, collision: Collision) -> Result<Self, LbmError> {
         positive("magic number", collision.magic(self.tau))?;
-        self.collision = collision;
-        self.coefficients = Coefficients::new(collision, self.tau, self.inertia);
+        self.collision = Some(collision);
+        self.rebuild();
         Ok(self)
+    }
+
+    /// A collision model of one's own. Its viscosity should be [`Fluid::lattice_viscosity`]; what depends on the collision
+    /// beyond that, such as [`Fluid::wall_slip`], is then unknown, and [`Fluid::with_inertia`] changes nothing.
+    ///
+    /// # Errors
+    /// [`LbmError::GridTooLarge`].
+    pub fn with_model<M: Model<Q>, const Q: usize>(mut self, model: M) -> Result<Self, LbmError> {
+        let kernel = build(model, self.isa, self.storage.precision());
+        if !Storage::fits(self.grid.shape, kernel.velocities()) {
+            return Err(LbmError::GridTooLarge { shape: self.grid.shape });
+        }
+        self.collision = None;
+        self.set_kernel(kernel, self.storage.precision());
+        Ok(self)
+    }
+
+    /// How the populations are stored, [`Precision::F64`] by default.
+    pub fn with_precision(mut self, precision: Precision) -> Self {
+        let kernel = self.kernel.rebuilt(self.isa, precision);
+        self.set_kernel(kernel, precision);
+        self
+    }
+
+    /// How the populations are stored.
+    pub fn precision(&self) -> Precision {
+        self.storage.precision()
+    }
+
+    /// Makes the kernel anew from the collision.
+    fn rebuild(&mut self) {
+        if let Some(collision) = self.collision {
+            let precision = self.storage.precision();
+            let kernel = collision.kernel(self.tau, self.inertia, self.isa, precision);
+            self.set_kernel(kernel, precision);
+        }
     }
 
     /// Without inertia the terms of second order in the velocity are left out: Stokes flow, but still in time.
     pub fn with_inertia(mut self, inertia: bool) -> Self {
         self.inertia = inertia;
-        self.coefficients = Coefficients::new(self.collision, self.tau, inertia);
+        self.rebuild();
         self
     }
 
@@ -202,9 +248,13 @@ impl Fluid {
     /// # Errors
     /// [`LbmError::Unsupported`].
     pub fn with_instruction_set(mut self, isa: InstructionSet) -> Result<Self, LbmError> {
-        self.kernels = Kernels::new(isa).ok_or_else(|| LbmError::Unsupported {
-            wanted: format!("{isa:?}"),
-        })?;
+        if !isa.is_available() {
+            return Err(LbmError::Unsupported {
+                wanted: format!("{isa:?}"),
+            });
+        }
+        self.isa = isa;
+        self.kernel = self.kernel.rebuilt(isa, self.storage.precision());
         Ok(self)
     }
 
@@ -234,8 +284,8 @@ impl Fluid {
         self.drive
     }
 
-    /// The collision.
-    pub fn collision(&self) -> Collision {
+    /// The collision; none where the model is one's own.
+    pub fn collision(&self) -> Option<Collision> {
         self.collision
     }
 
@@ -254,9 +304,9 @@ impl Fluid {
         (self.tau - 0.5) / 3.0
     }
 
-    /// Predicted slip at flat walls: [`Collision::wall_slip`] at this relaxation time.
-    pub fn wall_slip(&self) -> f64 {
-        self.collision.wall_slip(self.tau)
+    /// Predicted slip at flat walls: [`Collision::wall_slip`] at this relaxation time, if the collision is built in.
+    pub fn wall_slip(&self) -> Option<f64> {
+        self.collision.map(|c| c.wall_slip(self.tau))
     }
 
     /// Mach number of a flow of `speed` (m/s) by the lattice's speed of sound, `sqrt(3) speed dt/dx`.

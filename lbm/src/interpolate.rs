@@ -6,9 +6,9 @@
 //! uses, or, where a wall is behind, those of the link into that one, of which the rows have left both ends alike; the order
 //! of links does not matter.
 
-use crate::d3q19::C;
 use crate::drive::Balance;
 use crate::links::{Cut, Links, Side};
+use crate::stencil::Velocities;
 use crate::storage::Storage;
 
 /// The second part of a step.
@@ -41,12 +41,12 @@ impl Interpolate<'_> {
                 // SAFETY: all are places of the populations, and `to` is written by this link alone.
                 let more = unsafe {
                     let more = self.more(cut, self.get(own));
-                    *self.storage.data().add(to) += more;
+                    self.storage.write(to, self.get(to) + more);
                     more
                 };
                 balance.gained += more;
                 for a in 0..3 {
-                    balance.walls[a] += f64::from(C[cut.direction][a]) * more;
+                    balance.walls[a] += f64::from(self.storage.velocities().c(cut.direction)[a]) * more;
                 }
             }
         }
@@ -75,8 +75,8 @@ impl Interpolate<'_> {
             unsafe {
                 let send = |side: &Side, own: f64| [own, own + side.push + self.more(&side.cut, own)];
                 *exchanged = [send(a, self.get(from_a)), send(b, self.get(from_b))];
-                *self.storage.data().add(to(a)) = exchanged[0][1];
-                *self.storage.data().add(to(b)) = exchanged[1][1];
+                self.storage.write(to(a), exchanged[0][1]);
+                self.storage.write(to(b), exchanged[1][1]);
             }
         }
     }
@@ -98,18 +98,18 @@ impl Interpolate<'_> {
 
     unsafe fn get(&self, index: usize) -> f64 {
         // SAFETY: the caller's.
-        unsafe { *self.storage.data().add(index) }
+        unsafe { self.storage.read(index) }
     }
 }
 
 /// What thin walls have added to the balance in the last step.
-pub fn thin_balance(thin: &[[Side; 2]], exchanged: &[Exchanged]) -> Balance {
+pub fn thin_balance(thin: &[[Side; 2]], exchanged: &[Exchanged], velocities: Velocities) -> Balance {
     let mut balance = Balance::default();
     for (sides, exchanged) in thin.iter().zip(exchanged) {
         for (side, [outgoing, returning]) in sides.iter().zip(exchanged) {
             balance.gained += returning - outgoing - side.push;
             for a in 0..3 {
-                balance.walls[a] += f64::from(C[side.cut.direction][a]) * (outgoing + returning);
+                balance.walls[a] += f64::from(velocities.c(side.cut.direction)[a]) * (outgoing + returning);
             }
         }
     }

@@ -37,7 +37,8 @@ impl Lattice for Fluid {
     }
 
     fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError> {
-        let walls = walls.as_deref();
+        let shared = walls;
+        let walls = shared.as_deref();
         let mut mask = Mask::new(&self.grid, walls, t)?;
         let filled_nodes = if self.fill_narrow {
             mask.fill_narrow(&self.grid, walls, t)?
@@ -45,7 +46,8 @@ impl Lattice for Fluid {
             0
         };
         let narrowest = mask.narrowest(&self.grid, walls, t)?;
-        self.replace_mask(mask, walls, t);
+        self.walls = (shared, t);
+        self.replace_mask(mask);
         Ok(WallReport {
             fluid_nodes: self.mask.fluid_nodes,
             solid_nodes: self.grid.len() - self.mask.fluid_nodes,
@@ -79,8 +81,7 @@ impl Lattice for Fluid {
         let step = Step {
             storage: &self.storage,
             links: &self.links,
-            kernels: &self.kernels,
-            coefficients: &self.coefficients,
+            kernel: &*self.kernel,
             bricks,
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
@@ -186,7 +187,7 @@ impl Fluid {
             },
         );
         let gained = self.balances.iter().map(|b| b.gained).sum::<f64>();
-        let gained = gained + thin_balance(thin, &self.exchanged).gained;
+        let gained = gained + thin_balance(thin, &self.exchanged, self.storage.velocities()).gained;
         self.owed = [self.owed[0] + gained, self.owed[0]];
     }
 
@@ -222,7 +223,11 @@ impl Fluid {
         for balance in &self.balances {
             sum.add(balance);
         }
-        sum.add(&thin_balance(&self.links.thin, &self.exchanged));
+        sum.add(&thin_balance(
+            &self.links.thin,
+            &self.exchanged,
+            self.storage.velocities(),
+        ));
         self.bodies = sum.bodies;
         let Drive::Flux(target) = self.drive else { return Ok(()) };
         let (nodes, all) = (self.mask.fluid_nodes as f64, self.grid.len() as f64);

@@ -11,28 +11,37 @@
 //! touched. Results do not depend on the number of threads, to the last bit.
 
 mod collide;
-mod d3q19;
 mod drive;
+mod element;
 mod error;
 mod fluid;
 mod interpolate;
 mod isa;
+mod kernel;
 mod lattice;
 mod links;
 mod loads;
 mod mask;
+mod model;
 mod parallel;
+mod real;
 mod relaxation;
 mod rule;
 mod simd;
 mod state;
+mod stencil;
 mod step;
 mod storage;
 mod surface;
+mod trt;
 
 pub use drive::Drive;
+pub use element::Precision;
 pub use error::LbmError;
 pub use fluid::{Fluid, LEAST_TAU, Pace};
 pub use isa::InstructionSet;
+pub use model::Model;
+pub use real::Real;
 pub use relaxation::Collision;
 pub use rule::WallRule;
+pub use stencil::{D3Q19, Stencil};

@@ -10,9 +10,9 @@
 //! would share: exchanging what is in them is halfway bounce-back on both sides. Such links, and what interpolation adds
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
-use crate::d3q19::{C, Q, opposite, weight};
 use crate::mask::Mask;
 use crate::rule::{Shares, WallRule};
+use crate::stencil::{Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
@@ -164,15 +164,19 @@ impl<'a> Maker<'a> {
                 links.thin.push(sides);
             }
         }
-        links.balance_pushes(self.rule);
+        links.balance_pushes(self.rule, self.storage.velocities());
         links
+    }
+
+    fn c(&self, i: usize) -> [isize; 3] {
+        self.storage.velocities().c(i).map(|c| c as isize)
     }
 
     fn add_incoming(&self, node: [usize; 3], links: &mut Links) {
         let [x, j, k] = node.map(|i| i as isize);
         let nx = self.surface.grid.shape[0] as isize;
-        for i in 1..Q {
-            let [cx, cy, cz] = C[i].map(|c| c as isize);
+        for i in 1..self.storage.velocities().q() {
+            let [cx, cy, cz] = self.c(i);
             let source = x - cx;
             let solid = self.mask.is_solid(source, j - cy, k - cz);
             if !solid && (0..nx).contains(&source) {
@@ -211,7 +215,7 @@ impl<'a> Maker<'a> {
     /// The link of `node` whose returning population is `i`.
     fn cut(&self, node: [usize; 3], i: usize, link: Link, meeting: Meeting, links: &mut Links) -> Cut {
         let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let [cx, cy, cz] = self.c(i);
         let o = opposite(i);
         let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
         let severed = self.severed.binary_search(&(node, o)).is_ok();
@@ -239,7 +243,7 @@ impl<'a> Maker<'a> {
     /// The side of a thin wall on which `node` lies, population `i` returning to it.
     fn side(&self, node: [usize; 3], i: usize, links: &mut Links) -> Side {
         let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = C[i].map(|c| c as isize);
+        let [cx, cy, cz] = self.c(i);
         let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
         let link = Link {
             ghost: self.storage.index(opposite(i), x - cx, sj, sk),
@@ -261,8 +265,8 @@ impl<'a> Maker<'a> {
     /// The places at the two ends of row (`j`, `k`) that nodes at the other end use in an odd step.
     fn add_outgoing(&self, j: usize, k: usize, links: &mut Links) {
         let (j, k, nx) = (j as isize, k as isize, self.surface.grid.shape[0] as isize);
-        for m in 1..Q {
-            let [cx, cy, cz] = C[m].map(|c| c as isize);
+        for m in 1..self.storage.velocities().q() {
+            let [cx, cy, cz] = self.c(m);
             let (end, ghost) = match cx {
                 1 => (0, nx),
                 -1 => (nx - 1, -1),
@@ -301,20 +305,22 @@ impl Links {
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
     /// they are.
-    fn balance_pushes(&mut self, rule: WallRule) {
+    fn balance_pushes(&mut self, rule: WallRule, velocities: Velocities) {
         let sides = || self.thin.iter().flatten();
         let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
         if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {
             self.pushes.clear();
         } else if rule != WallRule::Halfway {
             let directions = self.directions.iter().map(|d| usize::from(*d));
-            let weights = directions.chain(sides().map(|s| s.cut.direction)).map(weight);
+            let weights = directions
+                .chain(sides().map(|s| s.cut.direction))
+                .map(|i| velocities.weight(i));
             let share = all / weights.sum::<f64>();
             for (push, direction) in self.pushes.iter_mut().zip(&self.directions) {
-                *push -= share * weight(usize::from(*direction));
+                *push -= share * velocities.weight(usize::from(*direction));
             }
             for side in self.thin.iter_mut().flatten() {
-                side.push -= share * weight(side.cut.direction);
+                side.push -= share * velocities.weight(side.cut.direction);
             }
         }
     }

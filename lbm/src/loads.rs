@@ -1,8 +1,6 @@
 //! Force and torque of the fluid on walls, by the momentum that the links exchange.
 
-use crate::d3q19::{C, Q};
 use crate::fluid::Fluid;
-use crate::surface::velocity;
 use lbm_ibm_coupling::{Boundary, Vec3, Wrench};
 
 /// Sums what links exchange, part by part.
@@ -19,7 +17,8 @@ impl Loads<'_> {
     /// population.
     fn add(&mut self, [x, j, k]: [usize; 3], i: usize, fraction: f64, [outgoing, returning]: [f64; 2]) {
         let Fluid { grid, .. } = self.fluid;
-        let at = grid.position(x, j, k) - velocity(i) * (fraction * grid.spacing);
+        let c = Vec3::from(self.fluid.storage.velocities().c(i).map(f64::from));
+        let at = grid.position(x, j, k) - c * (fraction * grid.spacing);
         let probe = self.walls.probe(grid.domain().wrap(at), self.t);
         let part = probe.part as usize;
         if part >= self.parts.len() {
@@ -27,7 +26,7 @@ impl Loads<'_> {
         }
         let scale = 1.0 / self.fluid.force_scale();
         let moved = probe.velocity * ((returning - outgoing) / self.fluid.velocity_unit());
-        let force = velocity(i) * (-(outgoing + returning) * scale) + moved * scale;
+        let force = c * (-(outgoing + returning) * scale) + moved * scale;
         self.parts[part].force += force;
         self.parts[part].torque += grid.domain().shortest(at - self.about).cross(&force);
     }
@@ -49,8 +48,8 @@ impl Fluid {
         let mut links = self.links.walls.iter().zip(&self.links.directions).enumerate();
         for row in &self.links.rows {
             for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
-                for i in 1..Q {
-                    let [cx, cy, cz] = C[i].map(|c| c as isize);
+                for i in 1..self.storage.velocities().q() {
+                    let [cx, cy, cz] = self.storage.velocities().c(i).map(|c| c as isize);
                     let behind = [x as isize - cx, row.j as isize - cy, row.k as isize - cz];
                     if !self.mask.is_solid(behind[0], behind[1], behind[2]) {
                         continue;

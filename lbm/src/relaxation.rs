@@ -1,6 +1,9 @@
 //! Relaxation rates and what follows from them.
 
-use crate::d3q19::W_DIAGONAL;
+use crate::element::Precision;
+use crate::isa::InstructionSet;
+use crate::kernel::{Kernel, build};
+use crate::trt::Trt;
 
 /// How populations relax to equilibrium.
 ///
@@ -46,40 +49,11 @@ impl Collision {
     pub fn wall_slip(self, tau: f64) -> f64 {
         (16.0 * self.magic(tau) - 3.0) / 12.0
     }
-}
 
-/// Numbers of the collision as the kernel wants them; see `collide`.
-#[derive(Clone, Debug)]
-pub struct Coefficients {
-    pub rest: f64,
-    pub even: f64,
-    pub odd: f64,
-    pub density: f64,
-    pub speed: f64,
-    pub power: f64,
-    pub even_velocity: f64,
-    pub even_force: f64,
-    pub odd_velocity: f64,
-    pub odd_force: f64,
-}
-
-impl Coefficients {
-    /// For a relaxation time, with or without the terms of second order in velocity and force.
-    pub fn new(collision: Collision, tau: f64, inertia: bool) -> Self {
-        let (even, odd) = (1.0 / tau, collision.odd_rate(tau));
-        let second = if inertia { 1.0 } else { 0.0 };
-        Self {
-            rest: 1.0 - even,
-            even: 0.5 * (1.0 - even),
-            odd: 0.5 * (1.0 - odd),
-            density: even,
-            speed: second * 1.5 * even,
-            power: second * 3.0 * (1.0 - 0.5 * even),
-            even_velocity: second * 4.5 * even * W_DIAGONAL,
-            even_force: second * 9.0 * (1.0 - 0.5 * even) * W_DIAGONAL,
-            odd_velocity: 3.0 * odd * W_DIAGONAL,
-            odd_force: 3.0 * (1.0 - 0.5 * odd) * W_DIAGONAL,
-        }
+    /// The kernel for a relaxation time, with or without the terms of second order in velocity and force. The instruction
+    /// set must be available.
+    pub(crate) fn kernel(self, tau: f64, inertia: bool, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
+        build(Trt::new(self, tau, inertia), isa, precision)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Vectors of `f64` behind one trait, so that each kernel is written once.
+//! Vectors of numbers behind two traits, so that each kernel is written once.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -7,47 +7,103 @@ mod avx512;
 mod portable;
 
 #[cfg(target_arch = "x86_64")]
-pub use avx2::Avx2;
+pub use avx2::{F32x8, F64x4};
 #[cfg(target_arch = "x86_64")]
-pub use avx512::Avx512;
-pub use portable::Pair;
+pub use avx512::{F32x16, F64x8};
+pub use portable::Lanes;
+
+use crate::element::Element;
+use crate::real::Real;
+
+/// Most numbers in a vector.
+pub const MAX_LANES: usize = 16;
 
 /// A vector of [`Simd::LANES`] numbers.
 ///
 /// # Safety
-/// Every method needs a processor with the instruction set of the type. Pointers need no alignment; `load` and `store`
-/// touch [`Simd::LANES`] numbers from the pointer on, the `_first` forms only the first `n`, `n` below `LANES`, and
-/// those must be valid. Lanes that are not loaded are zero.
-pub trait Simd: Copy {
+/// The functions that make a vector need a processor with the instruction set of the type; then its methods are safe, but
+/// for pointers. Those need no alignment, and all lanes must be valid.
+pub trait Simd: Real {
     /// Numbers in a vector.
     const LANES: usize;
     /// All lanes equal.
     unsafe fn splat(value: f64) -> Self;
-    /// Reads all lanes.
-    unsafe fn load(from: *const f64) -> Self;
-    /// Writes all lanes.
-    unsafe fn store(self, to: *mut f64);
-    /// Reads the first `n` lanes.
-    unsafe fn load_first(from: *const f64, n: usize) -> Self;
-    /// Writes the first `n` lanes.
-    unsafe fn store_first(self, to: *mut f64, n: usize);
-    /// `self + b`.
-    unsafe fn add(self, b: Self) -> Self;
-    /// `self - b`.
-    unsafe fn sub(self, b: Self) -> Self;
-    /// `self * b`.
-    unsafe fn mul(self, b: Self) -> Self;
-    /// `self * b + c`, rounded once where the instruction set can.
-    unsafe fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `c - self * b`, rounded once where the instruction set can.
-    unsafe fn neg_mul_add(self, b: Self, c: Self) -> Self;
+    /// Reads all lanes from numbers of 64 bits.
+    unsafe fn load_wide(from: *const f64) -> Self;
+    /// Writes all lanes as numbers of 64 bits.
+    unsafe fn store_wide(self, to: *mut f64);
     /// Sum of all lanes.
-    unsafe fn sum(self) -> f64;
+    fn sum(self) -> f64;
 }
+
+/// A vector that is stored as elements `S`.
+///
+/// # Safety
+/// As for [`Simd`]; the `_first` forms touch only the first `n` elements, `n` below [`Simd::LANES`]. Lanes that are not
+/// loaded are zero.
+pub trait Stored<S: Element>: Simd {
+    /// Reads all lanes.
+    unsafe fn load(from: *const S) -> Self;
+    /// Writes all lanes.
+    unsafe fn store(self, to: *mut S);
+    /// Reads the first `n` lanes.
+    unsafe fn load_first(from: *const S, n: usize) -> Self;
+    /// Writes the first `n` lanes.
+    unsafe fn store_first(self, to: *mut S, n: usize);
+}
+
+/// Arithmetic of a vector by intrinsics of its width.
+#[cfg(target_arch = "x86_64")]
+macro_rules! arithmetic {
+    ($t:ident, $splat:ident, $s:ty, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident, $fnma:ident) => {
+        arithmetic!($t, Add, add, $add);
+        arithmetic!($t, Sub, sub, $sub);
+        arithmetic!($t, Mul, mul, $mul);
+        arithmetic!($t, Div, div, $div);
+        impl crate::real::sealed::Sealed for $t {}
+        impl std::ops::Neg for $t {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: whoever holds a vector has its instruction set.
+                Self(unsafe { $sub($splat(-0.0), self.0) })
+            }
+        }
+        impl crate::real::Real for $t {
+            #[inline(always)]
+            fn like(self, value: f64) -> Self {
+                // SAFETY: whoever holds a vector has its instruction set.
+                Self(unsafe { $splat(value as $s) })
+            }
+            #[inline(always)]
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                // SAFETY: whoever holds a vector has its instruction set.
+                Self(unsafe { $fma(self.0, a.0, b.0) })
+            }
+            #[inline(always)]
+            fn neg_mul_add(self, a: Self, b: Self) -> Self {
+                // SAFETY: whoever holds a vector has its instruction set.
+                Self(unsafe { $fnma(self.0, a.0, b.0) })
+            }
+        }
+    };
+    ($t:ident, $trait:ident, $name:ident, $f:ident) => {
+        impl std::ops::$trait for $t {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, b: Self) -> Self {
+                // SAFETY: whoever holds a vector has its instruction set.
+                Self(unsafe { $f(self.0, b.0) })
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+use arithmetic;
 
 /// Asks for the cache line at `address`, which need not be valid.
 #[inline(always)]
-pub fn prefetch(address: *const f64) {
+pub fn prefetch<S>(address: *const S) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch has no effect but on caches and never faults; SSE is part of x86-64.
     unsafe {

@@ -1,21 +1,29 @@
 //! Setting up and reading the populations.
 
-use crate::d3q19::{C, Q, along, weight};
+use crate::collide::Span;
+use crate::element::Precision;
 use crate::fluid::Fluid;
+use crate::kernel::Kernel;
 use crate::links::Maker;
 use crate::mask::Mask;
+use crate::stencil::MAX_Q;
+use crate::storage::Storage;
 use crate::surface::Surface;
-use lbm_ibm_coupling::{Boundary, Vec3};
+use lbm_ibm_coupling::Vec3;
 use std::ops::Range;
+
+/// Populations of a node.
+type Populations = [f64; MAX_Q];
 
 impl Fluid {
     /// Builds rows and links for the mask as it is.
-    pub(crate) fn link(&mut self, walls: Option<&dyn Boundary>, t: f64) {
+    pub(crate) fn link(&mut self) {
         let surface = Surface {
             grid: &self.grid,
-            walls,
-            t,
+            walls: self.walls.0.as_deref(),
+            t: self.walls.1,
             velocity_unit: self.velocity_unit(),
+            velocities: self.storage.velocities(),
         };
         self.links = Maker::new(surface, &self.mask, &self.storage, self.wall_rule).links();
         self.balances = vec![Default::default(); self.links.rows.len()];
@@ -36,9 +44,10 @@ impl Fluid {
             for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
                 let (u, gradient) = field(self.grid.position(x, row.j, row.k));
                 let momentum = std::array::from_fn(|a| u[a] - 0.5 * self.force[a][1]);
-                for i in 0..Q {
+                for i in 0..self.storage.velocities().q() {
+                    let population = self.population(i, u, momentum, &gradient);
                     // SAFETY: the node is in the grid, and `self` is exclusive.
-                    unsafe { *places[i].add(x) = self.population(i, u, momentum, &gradient) };
+                    unsafe { self.storage.write(places[i] + x, population) };
                 }
             }
         }
@@ -46,7 +55,8 @@ impl Fluid {
 
     /// Equilibrium less the weight, and `-3 w_i tau (c c - 1/3) : grad u`.
     fn population(&self, i: usize, u: [f64; 3], momentum: [f64; 3], gradient: &[[f64; 3]; 3]) -> f64 {
-        let c = C[i].map(f64::from);
+        let velocities = self.storage.velocities();
+        let (weight, c) = (velocities.weight(i), velocities.c(i).map(f64::from));
         let (mut shear, mut divergence) = (0.0, 0.0);
         for a in 0..3 {
             divergence += gradient[a][a];
@@ -54,50 +64,89 @@ impl Fluid {
                 shear += c[a] * c[b] * gradient[a][b];
             }
         }
-        let (cu, uu) = (along(i, u), u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        let (cu, uu) = (velocities.along(i, u), u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         let second = if self.inertia { 4.5 * cu * cu - 1.5 * uu } else { 0.0 };
-        weight(i) * (3.0 * along(i, momentum) + second - 3.0 * self.tau * (shear - divergence / 3.0))
+        weight * (3.0 * velocities.along(i, momentum) + second - 3.0 * self.tau * (shear - divergence / 3.0))
     }
 
     /// Takes a new mask; nodes that stay in the fluid keep their populations, others start at rest.
-    pub(crate) fn replace_mask(&mut self, mask: Mask, walls: Option<&dyn Boundary>, t: f64) {
+    pub(crate) fn replace_mask(&mut self, mask: Mask) {
+        let kept = self.populations();
+        self.mask = mask;
+        if !self.at_rest {
+            self.storage.clear();
+            self.put(&kept);
+        }
+        self.link();
+    }
+
+    /// Takes another kernel; the populations are kept if they are of the same stencil, else the fluid is at rest.
+    pub(crate) fn set_kernel(&mut self, kernel: Box<dyn Kernel>, precision: Precision) {
+        let velocities = kernel.velocities();
+        self.kernel = kernel;
+        let same = velocities == self.storage.velocities();
+        if same && precision == self.storage.precision() {
+            return;
+        }
+        self.at_rest |= !same;
+        let kept = self.populations();
+        self.storage = Storage::new(&self.grid, velocities, precision);
+        self.put(&kept);
+        self.link();
+    }
+
+    /// All nodes with their populations; none if the fluid is at rest.
+    fn populations(&self) -> Vec<([usize; 3], Populations)> {
         if self.at_rest {
-            self.mask = mask;
-            return self.link(walls, t);
+            return Vec::new();
         }
         let mut kept = Vec::with_capacity(self.mask.fluid_nodes);
         for row in &self.links.rows {
             let places = self.storage.places(row.j, row.k, self.odd);
             for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
-                // SAFETY: the node is in the grid, and nothing writes now.
-                let populations: [f64; Q] = std::array::from_fn(|i| unsafe { *places[i].add(x) });
+                let mut populations = [0.0; MAX_Q];
+                for i in 0..self.storage.velocities().q() {
+                    // SAFETY: the node is in the grid, and nothing writes now.
+                    populations[i] = unsafe { self.storage.read(places[i].wrapping_add(x)) };
+                }
                 kept.push(([x, row.j, row.k], populations));
             }
         }
-        self.storage.clear();
+        kept
+    }
+
+    /// Sets the populations of nodes that are in the fluid, at home.
+    fn put(&mut self, nodes: &[([usize; 3], Populations)]) {
         self.odd = false;
-        for ([x, j, k], populations) in kept {
-            if mask.is_solid(x as isize, j as isize, k as isize) {
+        for ([x, j, k], populations) in nodes {
+            if self.mask.is_solid(*x as isize, *j as isize, *k as isize) {
                 continue;
             }
-            let places = self.storage.places(j, k, false);
-            for i in 0..Q {
+            let places = self.storage.places(*j, *k, false);
+            for i in 0..self.storage.velocities().q() {
                 // SAFETY: the node is in the grid, and `self` is exclusive.
-                unsafe { *places[i].add(x) = populations[i] };
+                unsafe { self.storage.write(places[i] + x, populations[i]) };
             }
         }
-        self.mask = mask;
-        self.link(walls, t);
     }
 
     /// Density about 1 and momentum without force, lattice units, of the nodes `part` of row (`j`, `k`), written to the
     /// start of `to`. Those of solid nodes mean nothing.
     pub(crate) fn moments(&self, j: usize, k: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
         assert!(part.end <= self.grid.shape[0] && to.iter().all(|t| t.len() >= part.len()));
-        let places = self.storage.places(j, k, self.odd).map(|p| p.wrapping_add(part.start));
+        let places = self.storage.places(j, k, self.odd);
+        let span = Span {
+            data: self.storage.data(),
+            places: &places,
+            start: part.start,
+            len: part.len(),
+            next: (&places, part.start),
+            uniform: [0.0; 3],
+            force: [std::ptr::null(); 3],
+        };
         // SAFETY: the nodes are in the grid, nothing writes to the populations now, `to` has room, and the kernel was
         // chosen for this processor.
-        unsafe { (self.kernels.read)(&places, part.len(), to.map(|t| t.as_mut_ptr())) }
+        unsafe { self.kernel.read(&span, to.map(|t| t.as_mut_ptr())) }
     }
 
     /// Sum of the momentum of all fluid nodes without force, lattice units.

@@ -1,24 +1,25 @@
 //! One time step of the populations, row by row.
 
 use crate::collide::{FREE, PER_NODE, Span, UNIFORM};
-use crate::d3q19::{C, Q};
 use crate::drive::Balance;
-use crate::isa::Kernels;
+use crate::element::{Element, Half, Precision};
+use crate::kernel::Kernel;
 use crate::links::{Link, Links, Row};
-use crate::relaxation::Coefficients;
-use crate::storage::Storage;
+use crate::simd::MAX_LANES;
+use crate::storage::{Places, Storage};
 use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
 const SEGMENT: usize = 16 * BRICK_EDGE;
+/// Room for them and for what a vector reads beyond them.
+const GATHERED: usize = SEGMENT + MAX_LANES;
 
 /// All that a row needs to take a step.
 pub struct Step<'a> {
     pub storage: &'a Storage,
     pub links: &'a Links,
-    pub kernels: &'a Kernels,
-    pub coefficients: &'a Coefficients,
+    pub kernel: &'a dyn Kernel,
     pub bricks: &'a Bricks,
     /// Lattice units of force, per N.
     pub force_scale: f64,
@@ -31,7 +32,7 @@ pub struct Step<'a> {
 }
 
 /// Places of node 0 of a row, and the number of a node.
-type Next<'a> = (&'a [*mut f64; Q], usize);
+type Next<'a> = (&'a Places, usize);
 
 impl Step<'_> {
     /// Collides and streams rows from number `first` on, one for each of `balances`.
@@ -54,7 +55,7 @@ impl Step<'_> {
         }
     }
 
-    unsafe fn row(&self, row: &Row, places: &[*mut f64; Q], next_row: Next) -> Balance {
+    unsafe fn row(&self, row: &Row, places: &Places, next_row: Next) -> Balance {
         let mut balance = Balance::default();
         let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
         let runs = &self.links.runs[row.runs.clone()];
@@ -69,7 +70,13 @@ impl Step<'_> {
             }
         }
         // SAFETY: ghosts and homes of this row are ours.
-        unsafe { self.pass_links(row, &mut balance) };
+        unsafe {
+            match self.storage.precision() {
+                Precision::F64 => self.pass_links::<f64>(row, &mut balance),
+                Precision::F32 => self.pass_links::<f32>(row, &mut balance),
+                Precision::F16 => self.pass_links::<Half>(row, &mut balance),
+            }
+        }
         balance
     }
 
@@ -79,15 +86,8 @@ impl Step<'_> {
 
     /// Divides a run into stretches in bricks and stretches beside them.
     #[inline(never)]
-    unsafe fn touched_run(
-        &self,
-        row: &Row,
-        run: &Range<usize>,
-        places: &[*mut f64; Q],
-        next: Next,
-        balance: &mut Balance,
-    ) {
-        let mut force = [[0.0; SEGMENT]; 3];
+    unsafe fn touched_run(&self, row: &Row, run: &Range<usize>, places: &Places, next: Next, balance: &mut Balance) {
+        let mut force = [[0.0; GATHERED]; 3];
         let mut x = run.start;
         while x < run.end {
             let in_brick = self.slot(x / BRICK_EDGE, row).is_some();
@@ -111,7 +111,7 @@ impl Step<'_> {
     }
 
     /// Forces of the nodes `part` of a row, lattice units.
-    fn gather(&self, row: &Row, part: &Range<usize>, force: &mut [[f64; SEGMENT]; 3], balance: &mut Balance) {
+    fn gather(&self, row: &Row, part: &Range<usize>, force: &mut [[f64; GATHERED]; 3], balance: &mut Balance) {
         let within = (row.k % BRICK_EDGE * BRICK_EDGE + row.j % BRICK_EDGE) * BRICK_EDGE;
         // One sum for each place in a brick, so that no addition waits for the one before.
         let mut sums = [[0.0; BRICK_EDGE]; 3];
@@ -143,9 +143,9 @@ impl Step<'_> {
     unsafe fn span(
         &self,
         part: Range<usize>,
-        places: &[*mut f64; Q],
+        places: &Places,
         next: Next,
-        force: Option<&[[f64; SEGMENT]; 3]>,
+        force: Option<&[[f64; GATHERED]; 3]>,
         balance: &mut Balance,
     ) {
         let kind = match force {
@@ -153,28 +153,27 @@ impl Step<'_> {
             None if self.uniform == [0.0; 3] => FREE,
             None => UNIFORM,
         };
-        let kernel = self.kernels.collide[kind as usize][usize::from(self.tally)];
-        // SAFETY: the places are those of nodes of this row, the gathered forces are as many as the nodes, and the
-        // kernel was chosen for this processor.
-        let momentum = unsafe {
-            kernel(&Span {
-                places: std::array::from_fn(|i| places[i].add(part.start)),
-                start: part.start,
-                len: part.len(),
-                next,
-                coefficients: self.coefficients,
-                uniform: self.uniform,
-                force: force.map_or([std::ptr::null(); 3], |f| [f[0].as_ptr(), f[1].as_ptr(), f[2].as_ptr()]),
-            })
+        let span = Span {
+            data: self.storage.data(),
+            places,
+            start: part.start,
+            len: part.len(),
+            next: (next.0, next.1),
+            uniform: self.uniform,
+            force: force.map_or([std::ptr::null(); 3], |f| [f[0].as_ptr(), f[1].as_ptr(), f[2].as_ptr()]),
         };
+        // SAFETY: the places are those of nodes of this row, the gathered forces are as many as the nodes with room for a
+        // vector, and the kernel was built for this processor and precision.
+        let momentum = unsafe { self.kernel.collide(&span, kind, self.tally) };
         for a in 0..3 {
             balance.momentum[a] += momentum[a];
         }
     }
 
     /// Home to ghost after an even step, ghost to home after an odd one.
-    unsafe fn pass_links(&self, row: &Row, balance: &mut Balance) {
-        let data = self.storage.data();
+    unsafe fn pass_links<S: Element>(&self, row: &Row, balance: &mut Balance) {
+        let data = self.storage.data().cast::<S>();
+        let velocities = self.storage.velocities();
         let ends = |link: &Link| {
             if self.odd {
                 (link.ghost, link.home)
@@ -189,18 +188,23 @@ impl Step<'_> {
         } else {
             &self.links.wraps_out[row.wraps_out.clone()]
         };
-        for (n, link) in walls.iter().enumerate() {
+        for link in walls {
             let (from, to) = ends(link);
             // SAFETY: both places belong to this row.
-            unsafe { *data.add(to) = *data.add(from) + pushes.map_or(0.0, |p| p[n]) };
+            unsafe { *data.add(to) = *data.add(from) };
+        }
+        for (link, push) in walls.iter().zip(pushes.unwrap_or_default()) {
+            let (_, to) = ends(link);
+            // SAFETY: the place belongs to this row.
+            unsafe { *data.add(to) = S::near((*data.add(to)).get() + push) };
         }
         if self.tally {
             for (link, direction) in walls.iter().zip(&self.links.directions[row.walls.clone()]) {
                 let (from, to) = ends(link);
                 // SAFETY: both places belong to this row.
-                let exchanged = unsafe { *data.add(from) + *data.add(to) };
+                let exchanged = unsafe { (*data.add(from)).get() + (*data.add(to)).get() };
                 for a in 0..3 {
-                    balance.walls[a] += f64::from(C[*direction as usize][a]) * exchanged;
+                    balance.walls[a] += f64::from(velocities.c(usize::from(*direction))[a]) * exchanged;
                 }
             }
         }

@@ -1,10 +1,12 @@
-//! Memory of the populations: nineteen arrays with ghost nodes, x fastest.
+//! Memory of the populations: an array for each with ghost nodes, x fastest.
 
-use crate::d3q19::{C, Q, opposite};
+use crate::element::{Element, Half, Precision};
+use crate::stencil::{MAX_Q, Velocities, opposite};
 use lbm_ibm_coupling::Grid;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 
-const LINE: usize = 8;
+/// Bytes of a cache line.
+const LINE: usize = 64;
 const HUGE_PAGE: usize = 2 << 20;
 /// Distance of two neighbouring arrays beyond a multiple of 4 KiB, in cache lines: equal offsets would make the arrays
 /// fight for the same cache sets.
@@ -14,8 +16,12 @@ const SKEW: usize = 27;
 ///
 /// The populations are stored less their weights, `f - w`, which keeps the fine digits of a slow flow.
 pub struct Storage {
-    data: *mut f64,
+    data: *mut u8,
     layout: Layout,
+    precision: Precision,
+    velocities: Velocities,
+    /// Numbers before node 0 of the first row.
+    lead: usize,
     shape: [usize; 3],
     periodic: [bool; 3],
     stride: usize,
@@ -29,19 +35,20 @@ unsafe impl Sync for Storage {}
 
 impl Storage {
     /// Whether memory for such a grid can be addressed, with room for ghosts, skew and rounding.
-    pub fn fits(shape: [usize; 3]) -> bool {
-        let nodes = shape.iter().try_fold(1_usize, |n, s| n.checked_mul(s.checked_add(16)?));
-        let numbers = nodes.and_then(|n| n.checked_add(4096)?.checked_mul(Q * size_of::<f64>()));
+    pub fn fits(shape: [usize; 3], velocities: Velocities) -> bool {
+        let nodes = shape.iter().try_fold(1_usize, |n, s| n.checked_mul(s.checked_add(64)?));
+        let numbers = nodes.and_then(|n| n.checked_add(4096)?.checked_mul(velocities.q() * size_of::<f64>()));
         numbers.is_some_and(|bytes| bytes < isize::MAX as usize - 2 * HUGE_PAGE)
     }
 
     /// Fluid at rest.
-    pub fn new(grid: &Grid) -> Self {
+    pub fn new(grid: &Grid, velocities: Velocities, precision: Precision) -> Self {
         let [nx, ny, nz] = grid.shape;
-        let stride = (nx + 2).next_multiple_of(LINE);
-        let array = LINE + stride * (ny + 2) * (nz + 2);
-        let pitch = array.next_multiple_of(64 * LINE) + SKEW * LINE;
-        let bytes = Q * pitch * size_of::<f64>();
+        let line = LINE / precision.bytes();
+        let stride = (nx + 2).next_multiple_of(line);
+        let array = line + stride * (ny + 2) * (nz + 2);
+        let pitch = array.next_multiple_of(64 * line) + SKEW * line;
+        let bytes = velocities.q() * pitch * precision.bytes();
         let align = if bytes >= HUGE_PAGE { HUGE_PAGE } else { 64 };
         let layout = Layout::from_size_align(bytes.next_multiple_of(align), align)
             .expect("the caller has asked whether it fits");
@@ -56,8 +63,11 @@ impl Storage {
         // SAFETY: the block was allocated with this size; all bits zero is 0.0.
         unsafe { data.write_bytes(0, layout.size()) };
         Self {
-            data: data.cast(),
+            data,
             layout,
+            precision,
+            velocities,
+            lead: line,
             shape: grid.shape,
             periodic: grid.periodic,
             stride,
@@ -68,27 +78,69 @@ impl Storage {
     /// Sets all populations to rest.
     pub fn clear(&mut self) {
         // SAFETY: the block has this size, and `self` is exclusive.
-        unsafe { self.data.cast::<u8>().write_bytes(0, self.layout.size()) };
+        unsafe { self.data.write_bytes(0, self.layout.size()) };
     }
 
     /// Start of the memory.
-    pub fn data(&self) -> *mut f64 {
+    pub fn data(&self) -> *mut u8 {
         self.data
+    }
+
+    /// What the populations are stored as.
+    pub fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    /// The stencil.
+    pub fn velocities(&self) -> Velocities {
+        self.velocities
     }
 
     /// The number at an index of [`Storage::index`].
     #[inline]
     pub fn get(&self, index: usize) -> f64 {
-        assert!(index < self.layout.size() / size_of::<f64>());
+        assert!(index < self.layout.size() / self.precision.bytes());
         // SAFETY: inside the allocation, and `self` is shared: nobody writes.
-        unsafe { *self.data.add(index) }
+        unsafe { self.read(index) }
+    }
+
+    /// The number at an index.
+    ///
+    /// # Safety
+    /// The index is one of [`Storage::index`], and nobody writes there.
+    #[inline(always)]
+    pub unsafe fn read(&self, index: usize) -> f64 {
+        // SAFETY: the caller's contract; numbers have this precision.
+        unsafe {
+            match self.precision {
+                Precision::F64 => *self.data.cast::<f64>().add(index),
+                Precision::F32 => self.data.cast::<f32>().add(index).read().get(),
+                Precision::F16 => self.data.cast::<Half>().add(index).read().get(),
+            }
+        }
+    }
+
+    /// Writes to an index.
+    ///
+    /// # Safety
+    /// The index is one of [`Storage::index`], and nobody else reads or writes there.
+    #[inline(always)]
+    pub unsafe fn write(&self, index: usize, value: f64) {
+        // SAFETY: the caller's contract; numbers have this precision.
+        unsafe {
+            match self.precision {
+                Precision::F64 => *self.data.cast::<f64>().add(index) = value,
+                Precision::F32 => *self.data.cast::<f32>().add(index) = f32::near(value),
+                Precision::F16 => *self.data.cast::<Half>().add(index) = Half::near(value),
+            }
+        }
     }
 
     /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost).
     #[inline]
     pub fn index(&self, i: usize, x: isize, j: isize, k: isize) -> usize {
         let row = (k + 1) as usize * (self.shape[1] + 2) + (j + 1) as usize;
-        (i * self.pitch + LINE + row * self.stride).wrapping_add_signed(x)
+        (i * self.pitch + self.lead + row * self.stride).wrapping_add_signed(x)
     }
 
     /// The row that stands at (`j`, `k`), each from -1 to the number of nodes: wrapped where the direction repeats, else
@@ -108,33 +160,39 @@ impl Storage {
         }
     }
 
-    /// Where node 0 of row (`j`, `k`) finds its incoming populations, and leaves the outgoing ones at the opposite
-    /// place: at home before an even step, in the neighbours before an odd one.
+    /// Numbers of the places where node 0 of row (`j`, `k`) finds its incoming populations, and leaves the outgoing ones at
+    /// the opposite place: at home before an even step, in the neighbours before an odd one.
     #[inline]
-    pub fn places(&self, j: usize, k: usize, odd: bool) -> [*mut f64; Q] {
+    pub fn places(&self, j: usize, k: usize, odd: bool) -> Places {
         let (j, k) = (j as isize, k as isize);
-        let home = self.index(0, 0, j, k);
+        let mut places = [0; MAX_Q];
+        let q = self.velocities.q();
         if !odd {
-            // SAFETY: the node is inside the allocation.
-            return std::array::from_fn(|i| unsafe { self.data.add(home + i * self.pitch) });
+            let home = self.index(0, 0, j, k);
+            for (i, place) in places[..q].iter_mut().enumerate() {
+                *place = home + i * self.pitch;
+            }
+            return places;
         }
         let ys = [self.wrap(j - 1, 1), j, self.wrap(j + 1, 1)];
         let zs = [self.wrap(k - 1, 2), k, self.wrap(k + 1, 2)];
         let rows: [[usize; 3]; 3] = zs.map(|z| ys.map(|y| self.index(0, 0, y, z)));
-        std::array::from_fn(|i| {
-            let [cx, cy, cz] = C[i];
+        for (i, place) in places[..q].iter_mut().enumerate() {
+            let [cx, cy, cz] = self.velocities.c(i);
             let row = rows[(1 - cz) as usize][(1 - cy) as usize];
-            let index = (row + opposite(i) * self.pitch).wrapping_add_signed(-cx as isize);
-            // SAFETY: ghosts included, the node is inside the allocation.
-            unsafe { self.data.add(index) }
-        })
+            *place = (row + opposite(i) * self.pitch).wrapping_add_signed(-cx as isize);
+        }
+        places
     }
 }
+
+/// Number of the place of each population at node 0 of a row.
+pub type Places = [usize; MAX_Q];
 
 impl Drop for Storage {
     fn drop(&mut self) {
         // SAFETY: allocated in `new` with this layout.
-        unsafe { dealloc(self.data.cast(), self.layout) };
+        unsafe { dealloc(self.data, self.layout) };
     }
 }
 

@@ -1,8 +1,8 @@
 //! Where links meet walls, and walls that pass between nodes.
 
-use crate::d3q19::{C, Q, along, opposite, weight};
 use crate::mask::{FACING, Mask};
 use crate::parallel;
+use crate::stencil::{Velocities, opposite};
 use lbm_ibm_coupling::{Boundary, Grid, Vec3};
 
 /// Greatest cosine between the normals at the two cuts of a link that passes a thin wall. Where it grazes a curved wall or a
@@ -18,6 +18,7 @@ pub struct Surface<'a> {
     pub t: f64,
     /// Lattice unit of velocity, m/s.
     pub velocity_unit: f64,
+    pub velocities: Velocities,
 }
 
 /// Where a link from a fluid node meets a wall.
@@ -40,16 +41,16 @@ pub struct Between {
     pub closed_gaps: usize,
 }
 
-/// `c_i` as a vector, lattice units.
-pub fn velocity(i: usize) -> Vec3 {
-    Vec3::from(C[i].map(f64::from))
-}
-
 impl Surface<'_> {
+    /// `c_i` as a vector, lattice units.
+    fn velocity(&self, i: usize) -> Vec3 {
+        Vec3::from(self.velocities.c(i).map(f64::from))
+    }
+
     /// Halfway along the link from `node` against direction `i`.
     pub fn halfway(&self, node: [usize; 3], i: usize) -> Meeting {
         let [x, j, k] = node;
-        let at = self.grid.position(x, j, k) - velocity(i) * (0.5 * self.grid.spacing);
+        let at = self.grid.position(x, j, k) - self.velocity(i) * (0.5 * self.grid.spacing);
         self.at(0.5, at, i)
     }
 
@@ -82,7 +83,7 @@ impl Surface<'_> {
     }
 
     fn at(&self, fraction: f64, at: Vec3, i: usize) -> Meeting {
-        let push = |velocity: Vec3| 6.0 * weight(i) * along(i, velocity.into());
+        let push = |velocity: Vec3| 6.0 * self.velocities.weight(i) * self.velocities.along(i, velocity.into());
         let probe = self.walls.map(|w| w.probe(at, self.t));
         Meeting {
             fraction,
@@ -94,14 +95,17 @@ impl Surface<'_> {
     /// Both ends of the link from `node` against direction `i`, the far one beyond the box if need be.
     fn ends(&self, [x, j, k]: [usize; 3], i: usize) -> (Vec3, Vec3) {
         let a = self.grid.position(x, j, k);
-        (a, a - velocity(i) * self.grid.spacing)
+        (a, a - self.velocity(i) * self.grid.spacing)
     }
 
     /// The node at the far end of the link from `node` against direction `i`; none beyond a closed face.
     pub fn in_grid(&self, node: [usize; 3], i: usize) -> Option<[usize; 3]> {
         let mut at = [0; 3];
         for a in 0..3 {
-            let (n, s) = (self.grid.shape[a] as isize, node[a] as isize - C[i][a] as isize);
+            let (n, s) = (
+                self.grid.shape[a] as isize,
+                node[a] as isize - self.velocities.c(i)[a] as isize,
+            );
             if !self.grid.periodic[a] && !(0..n).contains(&s) {
                 return None;
             }
@@ -122,7 +126,7 @@ impl Surface<'_> {
             for x in (0..nx).filter(|&x| close[x]) {
                 let node = [x, j, k];
                 // One direction of each opposite pair.
-                for i in (1..Q).step_by(2) {
+                for i in (1..self.velocities.q()).step_by(2) {
                     let Some(far) = self.in_grid(node, i) else { continue };
                     let solid = |n: [usize; 3]| mask.row(n[1], n[2])[n[0]];
                     match (solid(node), solid(far)) {
@@ -158,7 +162,7 @@ impl Surface<'_> {
     fn is_closed_gap(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> bool {
         let probe = |[x, j, k]: [usize; 3]| walls.probe(self.grid.position(x, j, k), self.t);
         let (near, far) = (probe(node), probe(far));
-        let facing = near.normal.dot(&velocity(i)) < -FACING && far.normal.dot(&velocity(i)) > FACING;
+        let facing = near.normal.dot(&self.velocity(i)) < -FACING && far.normal.dot(&self.velocity(i)) > FACING;
         let filled = near.distance > 0.0 || far.distance > 0.0;
         facing && !filled && -near.distance - far.distance < (1.0 - BEFORE) * self.grid.spacing
     }

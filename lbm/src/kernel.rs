@@ -1,0 +1,177 @@
+//! A collision model, compiled for one instruction set and one precision, behind one object.
+
+use crate::collide::{FREE, PER_NODE, Span, UNIFORM, read, span};
+use crate::element::{Element, Half, Precision};
+use crate::isa::InstructionSet;
+use crate::model::Model;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::{F32x8, F32x16, F64x4, F64x8};
+use crate::simd::{Lanes, Stored};
+use crate::stencil::Velocities;
+use std::marker::PhantomData;
+
+/// Collides and reads spans.
+pub trait Kernel: Send + Sync {
+    /// Collides a span under a kind of force ([`FREE`], [`UNIFORM`], [`PER_NODE`]); returns the sum of the momentum before
+    /// collision (lattice units) where `tally` is set, else zero.
+    ///
+    /// # Safety
+    /// As for [`span`], less the instruction set. The numbers have the precision of this kernel.
+    unsafe fn collide(&self, span: &Span, force: u8, tally: bool) -> [f64; 3];
+
+    /// Writes density (less 1) and momentum, lattice units, of the nodes of a span to `to`.
+    ///
+    /// # Safety
+    /// As for [`read`], less the instruction set. The numbers have the precision of this kernel.
+    unsafe fn read(&self, span: &Span, to: [*mut f64; 4]);
+
+    /// The stencil.
+    fn velocities(&self) -> Velocities;
+
+    /// The same model with another instruction set, which must be available, or another precision.
+    fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel>;
+}
+
+/// The kernel of a model. The instruction set must be available.
+pub fn build<M: Model<Q>, const Q: usize>(model: M, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
+    assert!(isa.is_available());
+    match (isa, precision) {
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx512, Precision::F64) => Built::<M, f64, F64x8, Avx512, Q>::boxed(model),
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx512, Precision::F32) => Built::<M, f32, F32x16, Avx512, Q>::boxed(model),
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx512, Precision::F16) => Built::<M, Half, F32x16, Avx512, Q>::boxed(model),
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx2, Precision::F64) => Built::<M, f64, F64x4, Avx2, Q>::boxed(model),
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx2, Precision::F32) => Built::<M, f32, F32x8, Avx2, Q>::boxed(model),
+        #[cfg(target_arch = "x86_64")]
+        (InstructionSet::Avx2, Precision::F16) => Built::<M, Half, F32x8, Avx2, Q>::boxed(model),
+        (_, Precision::F64) => Built::<M, f64, Lanes<f64, 2>, Plain, Q>::boxed(model),
+        (_, Precision::F32) => Built::<M, f32, Lanes<f32, 4>, Plain, Q>::boxed(model),
+        (_, Precision::F16) => Built::<M, Half, Lanes<f32, 4>, Plain, Q>::boxed(model),
+    }
+}
+
+struct Built<M, S, V, I, const Q: usize> {
+    model: M,
+    kind: PhantomData<(S, V, I)>,
+}
+
+impl<M, S, V, I, const Q: usize> Built<M, S, V, I, Q>
+where
+    M: Model<Q>,
+    S: Element,
+    V: Stored<S> + Send + Sync + 'static,
+    I: Enable,
+{
+    fn boxed(model: M) -> Box<dyn Kernel> {
+        Box::new(Self {
+            model,
+            kind: PhantomData,
+        })
+    }
+}
+
+impl<M, S, V, I, const Q: usize> Kernel for Built<M, S, V, I, Q>
+where
+    M: Model<Q>,
+    S: Element,
+    V: Stored<S> + Send + Sync + 'static,
+    I: Enable,
+{
+    unsafe fn collide(&self, span: &Span, force: u8, tally: bool) -> [f64; 3] {
+        // SAFETY: the instruction set was asked for in `build`; the rest is the caller's contract.
+        unsafe {
+            match (force, tally) {
+                (FREE, false) => I::span::<M, S, V, Q, FREE, false>(&self.model, span),
+                (PER_NODE, false) => I::span::<M, S, V, Q, PER_NODE, false>(&self.model, span),
+                (PER_NODE, true) => I::span::<M, S, V, Q, PER_NODE, true>(&self.model, span),
+                (_, false) => I::span::<M, S, V, Q, UNIFORM, false>(&self.model, span),
+                (_, true) => I::span::<M, S, V, Q, UNIFORM, true>(&self.model, span),
+            }
+        }
+    }
+
+    unsafe fn read(&self, span: &Span, to: [*mut f64; 4]) {
+        // SAFETY: the instruction set was asked for in `build`; the rest is the caller's contract.
+        unsafe { I::read::<M, S, V, Q>(span, to) }
+    }
+
+    fn velocities(&self) -> Velocities {
+        Velocities::of::<M::Stencil, Q>()
+    }
+
+    fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
+        build(self.model.clone(), isa, precision)
+    }
+}
+
+/// Functions compiled with the instructions of a set.
+trait Enable: Send + Sync + 'static {
+    /// # Safety
+    /// As for [`span`].
+    unsafe fn span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: u8, const TALLY: bool>(
+        model: &M,
+        s: &Span,
+    ) -> [f64; 3];
+    /// # Safety
+    /// As for [`read`].
+    unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]);
+}
+
+macro_rules! enable {
+    ($(#[$config:meta])* $name:ident $(, $features:literal)?) => {
+        $(#[$config])*
+        struct $name;
+
+        $(#[$config])*
+        impl Enable for $name {
+            #[inline]
+            unsafe fn span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: u8, const TALLY: bool>(
+                model: &M,
+                s: &Span,
+            ) -> [f64; 3] {
+                $(#[target_feature(enable = $features)])?
+                unsafe fn compiled<M, S, V, const Q: usize, const FORCE: u8, const TALLY: bool>(
+                    model: &M,
+                    s: &Span,
+                ) -> [f64; 3]
+                where
+                    M: Model<Q>,
+                    S: Element,
+                    V: Stored<S>,
+                {
+                    // SAFETY: the instructions are enabled, the rest is the caller's contract.
+                    unsafe { span::<M, S, V, Q, FORCE, TALLY>(model, s) }
+                }
+                // SAFETY: the caller's contract.
+                unsafe { compiled::<M, S, V, Q, FORCE, TALLY>(model, s) }
+            }
+
+            #[inline]
+            unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]) {
+                $(#[target_feature(enable = $features)])?
+                unsafe fn compiled<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]) {
+                    // SAFETY: the instructions are enabled, the rest is the caller's contract.
+                    unsafe { read::<M, S, V, Q>(s, to) }
+                }
+                // SAFETY: the caller's contract.
+                unsafe { compiled::<M, S, V, Q>(s, to) }
+            }
+        }
+    };
+}
+
+enable!(Plain);
+enable!(
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    "avx2,fma,f16c"
+);
+enable!(
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    "avx512f"
+);

@@ -1,0 +1,152 @@
+//! Sets of lattice velocities.
+
+/// Most velocities of a stencil.
+pub(crate) const MAX_Q: usize = 27;
+
+/// A set of lattice velocities: the one at rest first, then opposite pairs side by side, `2p + 1` and `2p + 2`.
+///
+/// Components are -1, 0 or 1, and there are at most 27; a stencil that breaks these rules does not compile into a
+/// [`Fluid`](crate::Fluid).
+pub trait Stencil<const Q: usize>: 'static {
+    /// Velocities, lattice units.
+    const C: [[i32; 3]; Q];
+    /// Weights.
+    const W: [f64; Q];
+}
+
+/// The population that moves the other way.
+pub const fn opposite(i: usize) -> usize {
+    if i == 0 { 0 } else { ((i - 1) ^ 1) + 1 }
+}
+
+/// Nineteen velocities in space: rest, along the axes and the diagonals of their planes.
+#[derive(Clone, Copy, Debug)]
+pub struct D3Q19;
+
+impl Stencil<19> for D3Q19 {
+    const C: [[i32; 3]; 19] = [
+        [0, 0, 0],
+        [1, 0, 0],
+        [-1, 0, 0],
+        [0, 1, 0],
+        [0, -1, 0],
+        [0, 0, 1],
+        [0, 0, -1],
+        [1, 1, 0],
+        [-1, -1, 0],
+        [1, -1, 0],
+        [-1, 1, 0],
+        [1, 0, 1],
+        [-1, 0, -1],
+        [1, 0, -1],
+        [-1, 0, 1],
+        [0, 1, 1],
+        [0, -1, -1],
+        [0, 1, -1],
+        [0, -1, 1],
+    ];
+    const W: [f64; 19] = {
+        let mut w = [1.0 / 36.0; 19];
+        w[0] = 1.0 / 3.0;
+        let mut i = 1;
+        while i < 7 {
+            w[i] = 1.0 / 18.0;
+            i += 1;
+        }
+        w
+    };
+}
+
+/// A stencil at run time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Velocities {
+    c: &'static [[i32; 3]],
+    w: &'static [f64],
+}
+
+impl Velocities {
+    /// Those of a stencil; one that breaks the rules of [`Stencil`] does not compile.
+    pub const fn of<S: Stencil<Q>, const Q: usize>() -> Self {
+        const {
+            assert!(
+                Q % 2 == 1 && Q <= MAX_Q,
+                "a stencil has an odd number of velocities, 27 at most"
+            );
+            let (mut i, c) = (0, S::C);
+            while i < Q {
+                let mut a = 0;
+                while a < 3 {
+                    assert!(c[i][a] >= -1 && c[i][a] <= 1, "a velocity has components -1, 0 and 1");
+                    assert!(c[opposite(i)][a] == -c[i][a], "opposite velocities are side by side");
+                    a += 1;
+                }
+                i += 1;
+            }
+        }
+        Self {
+            c: const { &S::C },
+            w: const { &S::W },
+        }
+    }
+
+    /// Number of populations of a node.
+    pub fn q(&self) -> usize {
+        self.c.len()
+    }
+
+    /// Lattice velocity `i`.
+    #[inline]
+    pub fn c(&self, i: usize) -> [i32; 3] {
+        self.c[i]
+    }
+
+    /// Weight of population `i`.
+    #[inline]
+    pub fn weight(&self, i: usize) -> f64 {
+        self.w[i]
+    }
+
+    /// `c_i . v`.
+    #[inline]
+    pub fn along(&self, i: usize, v: [f64; 3]) -> f64 {
+        let c = self.c[i];
+        f64::from(c[0]) * v[0] + f64::from(c[1]) * v[1] + f64::from(c[2]) * v[2]
+    }
+}
+
+/// Density (about 1, less 1) and momentum of a node.
+#[inline(always)]
+pub(crate) fn moments<S: Stencil<Q>, V: crate::Real, const Q: usize>(f: &[V; Q]) -> (V, [V; 3]) {
+    let (mut density, mut momentum) = (f[0], [f[0].like(0.0); 3]);
+    let mut i = 1;
+    while i < Q {
+        let (s, d) = (f[i] + f[i + 1], f[i] - f[i + 1]);
+        density = density + s;
+        for a in 0..3 {
+            match S::C[i][a] {
+                1 => momentum[a] = momentum[a] + d,
+                -1 => momentum[a] = momentum[a] - d,
+                _ => {}
+            }
+        }
+        i += 2;
+    }
+    (density, momentum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_moments_of_the_weights_are_those_of_an_isotropic_lattice() {
+        let v = Velocities::of::<D3Q19, 19>();
+        assert!(((0..v.q()).map(|i| v.weight(i)).sum::<f64>() - 1.0).abs() < 1e-15);
+        for a in 0..3 {
+            for b in 0..3 {
+                let second: f64 = (0..v.q()).map(|i| v.weight(i) * f64::from(v.c(i)[a] * v.c(i)[b])).sum();
+                assert!((second - if a == b { 1.0 / 3.0 } else { 0.0 }).abs() < 1e-15);
+            }
+        }
+    }
+}
