@@ -50,6 +50,11 @@ pub trait ImmersedBody: Any + Send + Sync {
     /// constant volume. By default there is none. Not asked of rigid and frozen bodies.
     fn constrain(&mut self, _x: &mut Soa3Mut<'_>) {}
 
+    /// Viscosity of the fluid inside of it over that of the fluid around, where it has one of its own.
+    fn viscosity_ratio(&self) -> Option<f64> {
+        None
+    }
+
     /// Mass and drive of a body that moves as [`Motion::Rigid`].
     fn rigid(&self) -> Option<Rigid> {
         None

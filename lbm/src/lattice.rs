@@ -8,7 +8,7 @@ use crate::mask::Mask;
 use crate::parallel;
 use crate::step::Step;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Vec3, WallReport, Wrench,
 };
 use std::sync::Arc;
 
@@ -82,6 +82,8 @@ impl Lattice for Fluid {
             storage: &self.storage,
             links: &self.links,
             kernel: &*self.kernel,
+            inside: &self.inner.inside,
+            levels: &self.inner.kernels,
             bricks,
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
@@ -97,6 +99,10 @@ impl Lattice for Fluid {
         self.odd = !self.odd;
         self.steps += 1;
         self.balance(bricks)
+    }
+
+    fn set_inside(&mut self, inside: &Inside) -> Result<(), FluidError> {
+        self.take_inside(inside)
     }
 
     /// The force density of the last step; under flux control it follows the drag on walls and bodies at that instant.

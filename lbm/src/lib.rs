@@ -15,6 +15,7 @@ mod drive;
 mod element;
 mod error;
 mod fluid;
+mod inner;
 mod interpolate;
 mod isa;
 mod kernel;

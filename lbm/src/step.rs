@@ -7,7 +7,7 @@ use crate::kernel::Kernel;
 use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
 use crate::storage::{Places, Storage};
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Inside};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
@@ -20,6 +20,9 @@ pub struct Step<'a> {
     pub storage: &'a Storage,
     pub links: &'a Links,
     pub kernel: &'a dyn Kernel,
+    /// Nodes inside of cells with a viscosity of their own, and the kernels of their levels from 1 on.
+    pub inside: &'a Inside,
+    pub levels: &'a [Box<dyn Kernel>],
     pub bricks: &'a Bricks,
     /// Lattice units of force, per N.
     pub force_scale: f64,
@@ -59,14 +62,15 @@ impl Step<'_> {
         let mut balance = Balance::default();
         let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
         let runs = &self.links.runs[row.runs.clone()];
+        let inside = self.inside.row(row.j, row.k);
         for (n, run) in runs.iter().enumerate() {
             let next = runs.get(n + 1).map_or(next_row, |run| (places, run.start));
-            if touched {
+            if run.start < inside.0[1] && inside.0[0] < run.end {
                 // SAFETY: the places of this run are ours.
-                unsafe { self.touched_run(row, run, places, next, &mut balance) };
+                unsafe { self.run_of_levels(row, run, inside, touched, places, next, &mut balance) };
             } else {
                 // SAFETY: the places of this run are ours.
-                unsafe { self.span(run.clone(), places, next, None, &mut balance) };
+                unsafe { self.run(row, run, self.kernel, touched, places, next, &mut balance) };
             }
         }
         // SAFETY: ghosts and homes of this row are ours.
@@ -80,13 +84,77 @@ impl Step<'_> {
         balance
     }
 
+    /// Divides a run that passes cells into stretches of the same level.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "all of a run, and what is known of its row")]
+    unsafe fn run_of_levels(
+        &self,
+        row: &Row,
+        run: &Range<usize>,
+        ([from, to], levels): ([usize; 2], &[u16]),
+        touched: bool,
+        places: &Places,
+        next: Next,
+        balance: &mut Balance,
+    ) {
+        let level = |x: usize| if (from..to).contains(&x) { levels[x - from] } else { 0 };
+        let mut x = run.start;
+        while x < run.end {
+            let here = level(x);
+            let end = if x >= to {
+                run.end
+            } else {
+                (x + 1..run.end).find(|&x| level(x) != here).unwrap_or(run.end)
+            };
+            let kernel = match here {
+                0 => self.kernel,
+                n => &*self.levels[usize::from(n) - 1],
+            };
+            let next = if end < run.end { (places, end) } else { next };
+            // SAFETY: the places of this run are ours.
+            unsafe { self.run(row, &(x..end), kernel, touched, places, next, balance) };
+            x = end;
+        }
+    }
+
+    /// Collides nodes of one level.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all of a run, and what is known of its row")]
+    unsafe fn run(
+        &self,
+        row: &Row,
+        run: &Range<usize>,
+        kernel: &dyn Kernel,
+        touched: bool,
+        places: &Places,
+        next: Next,
+        balance: &mut Balance,
+    ) {
+        // SAFETY: the places of this run are the caller's.
+        unsafe {
+            if touched {
+                self.touched_run(row, run, kernel, places, next, balance);
+            } else {
+                self.span(run.clone(), kernel, places, next, None, balance);
+            }
+        }
+    }
+
     fn slot(&self, brick: usize, row: &Row) -> Option<usize> {
         self.bricks.slot([brick, row.j / BRICK_EDGE, row.k / BRICK_EDGE])
     }
 
     /// Divides a run into stretches in bricks and stretches beside them.
     #[inline(never)]
-    unsafe fn touched_run(&self, row: &Row, run: &Range<usize>, places: &Places, next: Next, balance: &mut Balance) {
+    unsafe fn touched_run(
+        &self,
+        row: &Row,
+        run: &Range<usize>,
+        kernel: &dyn Kernel,
+        places: &Places,
+        next: Next,
+        balance: &mut Balance,
+    ) {
         let mut force = [[0.0; GATHERED]; 3];
         let mut x = run.start;
         while x < run.end {
@@ -106,7 +174,7 @@ impl Step<'_> {
                 &force
             });
             // SAFETY: the places of this run are ours.
-            unsafe { self.span(part, places, next, gathered, balance) };
+            unsafe { self.span(part, kernel, places, next, gathered, balance) };
         }
     }
 
@@ -143,6 +211,7 @@ impl Step<'_> {
     unsafe fn span(
         &self,
         part: Range<usize>,
+        kernel: &dyn Kernel,
         places: &Places,
         next: Next,
         force: Option<&[[f64; GATHERED]; 3]>,
@@ -164,7 +233,7 @@ impl Step<'_> {
         };
         // SAFETY: the places are those of nodes of this row, the gathered forces are as many as the nodes with room for a
         // vector, and the kernel was built for this processor and precision.
-        let momentum = unsafe { self.kernel.collide(&span, kind, self.tally) };
+        let momentum = unsafe { kernel.collide(&span, kind, self.tally) };
         for a in 0..3 {
             balance.momentum[a] += momentum[a];
         }

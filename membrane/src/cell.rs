@@ -1,7 +1,8 @@
 //! An elastic cell.
 
 use crate::constraint::ConstantVolume;
-use crate::{Law, Mesh};
+use crate::mesh::positive;
+use crate::{Law, MembraneError, Mesh};
 use lbm_ibm_coupling::{ImmersedBody, Motion, Soa3Mut, Soa3Ref};
 use std::fmt;
 use std::sync::Arc;
@@ -14,6 +15,7 @@ pub struct Cell {
     laws: Vec<Box<dyn Law>>,
     motion: Motion,
     volume: Option<ConstantVolume>,
+    viscosity_ratio: Option<f64>,
 }
 
 impl Cell {
@@ -25,6 +27,7 @@ impl Cell {
             laws: Vec::new(),
             motion: Motion::Advected,
             volume: None,
+            viscosity_ratio: None,
         }
     }
 
@@ -47,6 +50,15 @@ impl Cell {
     pub fn with_constant_volume(mut self) -> Self {
         self.volume = Some(ConstantVolume::of(&self.mesh));
         self
+    }
+
+    /// The cell with a fluid inside whose viscosity is `ratio` times that of the fluid around.
+    ///
+    /// # Errors
+    /// [`MembraneError::NotPositive`].
+    pub fn with_viscosity_ratio(mut self, ratio: f64) -> Result<Self, MembraneError> {
+        self.viscosity_ratio = Some(positive("the viscosity inside over that around", ratio)?);
+        Ok(self)
     }
 
     /// Its rest shape, shared with its copies.
@@ -81,6 +93,10 @@ impl ImmersedBody for Cell {
         for law in &mut self.laws {
             law.add_forces(x, v, force);
         }
+    }
+
+    fn viscosity_ratio(&self) -> Option<f64> {
+        self.viscosity_ratio.filter(|r| *r != 1.0)
     }
 
     fn constrain(&mut self, x: &mut Soa3Mut<'_>) {
