@@ -2,6 +2,7 @@
 //! scene has to keep.
 
 pub(crate) mod arrays;
+mod capsule;
 mod cavity;
 mod cells;
 mod channel;
@@ -65,6 +66,7 @@ pub const CASES: &[(&str, Case)] = &[
     ("paper_rbc_stretch", Case::Rows(stretch::paper_rbc_stretch)),
     ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),
     ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
+    ("capsule_shear", Case::Rows(capsule::capsule_shear)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
     ("two_sphere_force", Case::Rows(magnetics::two_sphere_force)),

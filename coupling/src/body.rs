@@ -46,6 +46,15 @@ pub trait ImmersedBody: Any + Send + Sync {
     /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range.
     fn add_internal_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>);
 
+    /// Moves its nodes (`x`, m), which a step has just carried on, to where a constraint of its own holds, such as that of a
+    /// constant volume. By default there is none. Not asked of rigid and frozen bodies.
+    fn constrain(&mut self, _x: &mut Soa3Mut<'_>) {}
+
+    /// Viscosity of the fluid inside of it over that of the fluid around, where it has one of its own.
+    fn viscosity_ratio(&self) -> Option<f64> {
+        None
+    }
+
     /// Mass and drive of a body that moves as [`Motion::Rigid`].
     fn rigid(&self) -> Option<Rigid> {
         None

@@ -50,6 +50,19 @@ impl Grid {
         self.origin + Vec3::new(i as f64 + 0.5, j as f64 + 0.5, k as f64 + 0.5) * self.spacing
     }
 
+    /// The node of the grid that a node counted on beyond its faces is; none beyond a face that is not periodic.
+    pub fn home(&self, node: [i64; 3]) -> Option<[usize; 3]> {
+        let mut home = [0; 3];
+        for a in 0..3 {
+            let n = self.shape[a] as i64;
+            if !self.periodic[a] && !(0..n).contains(&node[a]) {
+                return None;
+            }
+            home[a] = node[a].rem_euclid(n) as usize;
+        }
+        Some(home)
+    }
+
     /// The box that the grid fills.
     pub fn domain(&self) -> Domain {
         let [nx, ny, nz] = self.shape;

@@ -1,6 +1,6 @@
 //! A fluid as its neighbours see it.
 
-use crate::{Boundary, Bricks, Grid, Vec3, Wrench};
+use crate::{Boundary, Bricks, Grid, Inside, Vec3, Wrench};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -39,6 +39,12 @@ pub enum FluidError {
     NoFluid {
         /// Nodes of the grid.
         nodes: usize,
+    },
+    /// The fluid has one viscosity everywhere.
+    #[error("the fluid cannot have another viscosity inside of cells: {why}")]
+    OneViscosity {
+        /// What stands against it, and what would help.
+        why: String,
     },
     /// Something that a third party's fluid reports.
     #[error(transparent)]
@@ -114,6 +120,21 @@ pub trait Lattice: Any + Send {
     /// As for [`Lattice::advance`].
     fn advance_many(&mut self, bricks: &Bricks, steps: usize) -> Result<(), FluidError> {
         (0..steps).try_for_each(|_| self.advance(bricks))
+    }
+
+    /// Takes the nodes that lie inside of cells with a viscosity of their own, before every step in which there are any or
+    /// have been.
+    ///
+    /// # Errors
+    /// [`FluidError::OneViscosity`] where the fluid cannot do that, by default.
+    fn set_inside(&mut self, inside: &Inside) -> Result<(), FluidError> {
+        if inside.is_empty() {
+            return Ok(());
+        }
+        Err(FluidError::OneViscosity {
+            why: "it does not know how to; use lbm-ibm-lbm's, or cells with the viscosity of the fluid around"
+                .to_owned(),
+        })
     }
 
     /// The uniform force density that drives the flow now, N/m3: minus the pressure gradient it stands for.

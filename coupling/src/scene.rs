@@ -8,7 +8,7 @@ mod step;
 
 use crate::guard::{Guard, RestShape, outside_walls};
 use crate::{
-    BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Lattice, Loads, Motion, RigidState,
+    BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Inside, Lattice, Loads, Motion, RigidState,
     SceneError, Soa3, Soa3Ref, Vec3, View, WallReport,
 };
 use nalgebra::Isometry3;
@@ -43,6 +43,7 @@ struct Fluid {
     lattice: Box<dyn Lattice>,
     exchange: Box<dyn Exchange>,
     bricks: Bricks,
+    inside: Inside,
 }
 
 struct Slot {
@@ -55,11 +56,12 @@ impl Scene {
     pub fn with_fluid(lattice: impl Lattice, exchange: impl Exchange) -> Self {
         let time_step = lattice.time_step();
         let domain = lattice.grid().domain();
-        let bricks = Bricks::new(lattice.grid());
+        let (bricks, inside) = (Bricks::new(lattice.grid()), Inside::new(lattice.grid()));
         let fluid = Fluid {
             lattice: Box::new(lattice),
             exchange: Box::new(exchange),
             bricks,
+            inside,
         };
         Self::empty(Some(fluid), domain, time_step)
     }
@@ -286,6 +288,11 @@ impl Scene {
     /// The fluid.
     pub fn fluid(&self) -> Option<&dyn Lattice> {
         self.fluid.as_ref().map(|f| f.lattice.as_ref())
+    }
+
+    /// The nodes inside of cells with a viscosity of their own, as they were found for the last step.
+    pub fn inside(&self) -> Option<&Inside> {
+        self.fluid.as_ref().map(|f| &f.inside)
     }
 
     /// The fluid as the type that it is.

@@ -3,6 +3,7 @@
 use crate::drive::{Balance, Drive};
 use crate::element::Precision;
 use crate::error::LbmError;
+use crate::inner::Inner;
 use crate::interpolate::Exchanged;
 use crate::isa::InstructionSet;
 use crate::kernel::{Kernel, build_lean};
@@ -64,6 +65,7 @@ pub struct Fluid {
     pub(crate) drive: Drive,
     pub(crate) isa: InstructionSet,
     pub(crate) kernel: Box<dyn Kernel>,
+    pub(crate) inner: Inner,
     pub(crate) storage: Storage,
     /// The walls, and the time at which they were taken.
     pub(crate) walls: (Option<Arc<dyn Boundary>>, f64),
@@ -140,6 +142,7 @@ impl Fluid {
             drive: Drive::default(),
             isa,
             kernel,
+            inner: Inner::default(),
             walls: (None, 0.0),
             links: Links::default(),
             balances: Vec::new(),
@@ -289,6 +292,7 @@ impl Fluid {
         }
         self.isa = isa;
         self.kernel = self.kernel.rebuilt(isa, self.storage.precision());
+        self.forget_inside();
         Ok(self)
     }
 

@@ -9,7 +9,7 @@ use crate::parallel;
 use crate::step::Step;
 use crate::sweep::Sweep;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Vec3, WallReport, Wrench,
 };
 use std::sync::Arc;
 
@@ -108,6 +108,10 @@ impl Lattice for Fluid {
         Ok(())
     }
 
+    fn set_inside(&mut self, inside: &Inside) -> Result<(), FluidError> {
+        self.take_inside(inside)
+    }
+
     /// The force density of the last step; under flux control it follows the drag on walls and bodies at that instant.
     fn body_force(&self) -> Vec3 {
         let unit = self.density * self.grid.spacing / self.time_step.powi(2);
@@ -188,6 +192,8 @@ impl Fluid {
             storage: &self.storage,
             links: &self.links,
             kernel: &*self.kernel,
+            inside: &self.inner.inside,
+            levels: &self.inner.kernels,
             bricks,
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
@@ -198,6 +204,7 @@ impl Fluid {
     /// Steps that the next sweep can take, `most` at most.
     fn sweep_steps(&self, bricks: &Bricks, most: usize) -> usize {
         let simple = bricks.is_empty()
+            && self.inner.inside.is_empty()
             && !self.drive.is_flux()
             && self.links.cuts.is_empty()
             && self.links.thin.is_empty()

@@ -16,6 +16,7 @@ mod drive;
 mod element;
 mod error;
 mod fluid;
+mod inner;
 mod interpolate;
 mod isa;
 mod kernel;

@@ -88,6 +88,7 @@ impl Fluid {
     pub(crate) fn set_kernel(&mut self, kernel: Box<dyn Kernel>, precision: Precision) {
         let velocities = kernel.velocities();
         self.kernel = kernel;
+        self.forget_inside();
         let same = velocities == self.storage.velocities();
         if same && precision == self.storage.precision() {
             return;

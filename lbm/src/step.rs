@@ -8,7 +8,7 @@ use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Inside};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
@@ -21,6 +21,9 @@ pub struct Step<'a> {
     pub storage: &'a Storage,
     pub links: &'a Links,
     pub kernel: &'a dyn Kernel,
+    /// Nodes inside of cells with a viscosity of their own, and the kernels of their levels from 1 on.
+    pub inside: &'a Inside,
+    pub levels: &'a [Box<dyn Kernel>],
     pub bricks: &'a Bricks,
     /// Lattice units of force, per N.
     pub force_scale: f64,
@@ -31,7 +34,9 @@ pub struct Step<'a> {
 }
 
 /// A run, and what will be collided after it: the places of its row, and its first node.
+#[derive(Clone, Copy)]
 struct Work<'a> {
+    kernel: &'a dyn Kernel,
     places: &'a Places,
     next: (&'a Places, usize),
 }
@@ -82,16 +87,18 @@ impl Step<'_> {
         let mut balance = Balance::default();
         let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
         let next = (self.links.rows[next.0].runs.start, next.1);
+        let inside = self.inside.row(row.j, row.k);
         for run in row.runs.clone() {
             let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
             let work = self.look_ahead((run, odd), next, ahead);
             let run = &self.links.runs[run];
-            if touched {
-                // SAFETY: the places of this run are ours.
-                unsafe { self.touched_run(row, run, work, &mut balance) };
-            } else {
-                // SAFETY: the places of this run are ours.
-                unsafe { self.span(run.clone(), &work, None, &mut balance) };
+            // SAFETY: the places of this run are ours.
+            unsafe {
+                if run.start < inside.0[1] && inside.0[0] < run.end {
+                    self.run_of_levels(row, run, inside, touched, work, &mut balance);
+                } else {
+                    self.run(row, run, touched, work, &mut balance);
+                }
             }
         }
         // SAFETY: ghosts and homes of this row are ours.
@@ -107,7 +114,7 @@ impl Step<'_> {
 
     /// A run, with the one that is likely to come after it, each in an odd step or not.
     #[inline]
-    fn look_ahead<'a>(&self, run: (usize, bool), after: (usize, bool), ahead: &'a mut Ahead) -> Work<'a> {
+    fn look_ahead<'a>(&'a self, run: (usize, bool), after: (usize, bool), ahead: &'a mut Ahead) -> Work<'a> {
         let here = ahead.next;
         if ahead.run != Some(run) {
             self.links.pointers(run.0, run.1, self.storage, &mut ahead.places[here]);
@@ -117,8 +124,54 @@ impl Step<'_> {
         ahead.next = 1 - here;
         ahead.run = Some(after);
         Work {
+            kernel: self.kernel,
             places: &ahead.places[here],
             next: (&ahead.places[1 - here], self.links.runs[after.0].start),
+        }
+    }
+
+    /// Divides a run that passes cells into stretches of the same level.
+    #[inline(never)]
+    unsafe fn run_of_levels<'a>(
+        &'a self,
+        row: &Row,
+        run: &Range<usize>,
+        ([from, to], levels): ([usize; 2], &[u16]),
+        touched: bool,
+        mut work: Work<'a>,
+        balance: &mut Balance,
+    ) {
+        let level = |x: usize| if (from..to).contains(&x) { levels[x - from] } else { 0 };
+        let after = work.next;
+        let mut x = run.start;
+        while x < run.end {
+            let here = level(x);
+            let end = if x >= to {
+                run.end
+            } else {
+                (x + 1..run.end).find(|&x| level(x) != here).unwrap_or(run.end)
+            };
+            work.kernel = match here {
+                0 => self.kernel,
+                n => &*self.levels[usize::from(n) - 1],
+            };
+            work.next = if end < run.end { (work.places, end) } else { after };
+            // SAFETY: the places of this run are ours.
+            unsafe { self.run(row, &(x..end), touched, work, balance) };
+            x = end;
+        }
+    }
+
+    /// Collides nodes of one level.
+    #[inline(always)]
+    unsafe fn run(&self, row: &Row, run: &Range<usize>, touched: bool, work: Work, balance: &mut Balance) {
+        // SAFETY: the places of this run are the caller's.
+        unsafe {
+            if touched {
+                self.touched_run(row, run, work, balance);
+            } else {
+                self.span(run.clone(), &work, None, balance);
+            }
         }
     }
 
@@ -204,7 +257,7 @@ impl Step<'_> {
         };
         // SAFETY: the places are those of nodes of this row, the gathered forces are as many as the nodes with room for a
         // vector, and the kernel was built for this processor and precision.
-        let momentum = unsafe { self.kernel.collide(&span, kind, self.tally) };
+        let momentum = unsafe { work.kernel.collide(&span, kind, self.tally) };
         for a in 0..3 {
             balance.momentum[a] += momentum[a];
         }

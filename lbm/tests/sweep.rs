@@ -13,11 +13,16 @@ impl Boundary for Rubble {
     fn probe(&self, x: Vec3, _t: f64) -> Probe {
         let at = (x - self.0.origin) / self.0.spacing;
         let hash = at.iter().fold(17_u64, |h, v| {
-            (h ^ v.floor() as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+            (h ^ v.floor() as i64 as u64)
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(29)
         });
         Probe {
             velocity: Vec3::new(1e-4, 0.0, 0.0),
-            ..Probe::at_rest(if hash.is_multiple_of(9) { -1.0 } else { 1.0 }, Vec3::new(0.6, 0.6, 0.5))
+            ..Probe::at_rest(
+                if hash.is_multiple_of(9) { -1.0 } else { 1.0 },
+                Vec3::new(0.6, 0.6, 0.5),
+            )
         }
     }
 }
@@ -35,7 +40,11 @@ fn fluid(shape: [usize; 3], periodic: [bool; 3], precision: Precision, isa: Inst
     }
     fluid.set_velocity(|x| {
         let k = x / grid.spacing;
-        Vec3::new((0.4 * k.y + 0.3 * k.z).sin(), (0.2 * k.x).cos(), (0.7 * k.x + k.y).sin()) * (0.02 * unit)
+        Vec3::new(
+            (0.4 * k.y + 0.3 * k.z).sin(),
+            (0.2 * k.x).cos(),
+            (0.7 * k.x + k.y).sin(),
+        ) * (0.02 * unit)
     });
     let force = Vec3::new(1e-5, -2e-5, 0.5e-5) * (1e3 * grid.spacing / fluid.time_step().powi(2));
     fluid.set_drive(Drive::Force(force)).unwrap();

@@ -112,7 +112,7 @@ impl Clone for Box<dyn Law> {
 
 /// The corners of a triangle, m.
 #[inline]
-fn corners(x: Soa3Ref<'_>, triangle: [u32; 3]) -> [Vec3; 3] {
+pub(crate) fn corners(x: Soa3Ref<'_>, triangle: [u32; 3]) -> [Vec3; 3] {
     // Spelled out: through `map` the array goes by way of memory, at twice the cost of the whole law.
     let [a, b, c] = triangle;
     [x.get(a as usize), x.get(b as usize), x.get(c as usize)]
@@ -120,6 +120,6 @@ fn corners(x: Soa3Ref<'_>, triangle: [u32; 3]) -> [Vec3; 3] {
 
 /// Twice the area vector of a triangle, m2: along its outward normal.
 #[inline]
-fn twice_area([a, b, c]: [Vec3; 3]) -> Vec3 {
+pub(crate) fn twice_area([a, b, c]: [Vec3; 3]) -> Vec3 {
     (b - a).cross(&(c - a))
 }

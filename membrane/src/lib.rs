@@ -19,6 +19,7 @@
 //! ```
 
 mod cell;
+mod constraint;
 mod error;
 pub mod laws;
 mod mesh;

@@ -1,7 +1,7 @@
 //! One time step.
 
-use super::{Scene, Slot, motion, rigid};
-use crate::{BodyInfo, SceneError, Soa3Mut, Soa3Ref, View};
+use super::{Fluid, Scene, Slot, motion, rigid};
+use crate::{BodyInfo, Motion, SceneError, Soa3Mut, Soa3Ref, View};
 
 impl Scene {
     /// One time step: the four steps of the immersed boundary method.
@@ -38,7 +38,8 @@ impl Scene {
                     fluid.hold_rigid(&mut self.rigid, &self.x, &self.loads, &self.infos)?;
                 }
             }
-            // 3. The fluid moves.
+            // 3. The fluid moves, with the viscosity that it has inside of cells.
+            fluid.find_inside(&self.bodies, &self.infos, self.x.view())?;
             fluid.lattice.advance(&fluid.bricks)?;
             // 4. The velocity of the fluid goes to the nodes, and they move.
             if self.infos.len() > self.rigid.len() {
@@ -56,6 +57,7 @@ impl Scene {
             &mut self.x,
             &mut self.v,
         );
+        self.constrain();
         rigid::advance(self);
         self.step += 1;
         self.time = self.step as f64 * self.time_step;
@@ -63,6 +65,15 @@ impl Scene {
             self.check()?;
         }
         Ok(())
+    }
+
+    /// Lets each body that has moved node by node keep its own constraints.
+    fn constrain(&mut self) {
+        for (slot, info) in self.bodies.iter_mut().zip(&self.infos) {
+            if !matches!(info.motion, Motion::Rigid | Motion::Frozen) {
+                slot.body.constrain(&mut self.x.slice_mut(info.range.clone()));
+            }
+        }
     }
 
     fn gather_loads(&mut self) {
@@ -87,6 +98,20 @@ impl Scene {
             field.add_loads(&view, &mut self.loads);
         }
         self.loads.share_among_nodes(&view);
+    }
+}
+
+impl Fluid {
+    /// Tells the fluid which nodes are inside of cells with a viscosity of their own.
+    fn find_inside(&mut self, bodies: &[Slot], infos: &[BodyInfo], x: Soa3Ref<'_>) -> Result<(), SceneError> {
+        let any = bodies.iter().any(|slot| slot.body.viscosity_ratio().is_some());
+        if any || !self.inside.is_empty() {
+            let pairs = bodies.iter().zip(infos);
+            let cells = pairs.filter_map(|(slot, info)| Some((info, slot.body.viscosity_ratio()?)));
+            self.inside.find(self.lattice.grid(), x, cells);
+            self.lattice.set_inside(&self.inside)?;
+        }
+        Ok(())
     }
 }
 
