@@ -7,23 +7,27 @@
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
-//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
+//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`AreaVolume`] | 0 | 0 | yes |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
 //! | [`Balanced`] | 0 | 0 | no |
 
 mod area;
 mod area_2011;
+mod area_volume;
 mod balanced;
+mod batch;
 mod bending;
 mod bending_2011;
 mod hinge;
 mod rigid;
 mod stretching;
+mod triangles;
 mod volume;
 
 pub use area::{GlobalArea, LocalArea};
 pub use area_2011::{Area2011, Reach};
+pub use area_volume::AreaVolume;
 pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;
