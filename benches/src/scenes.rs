@@ -4,7 +4,7 @@ use crate::Fault;
 use lbm_ibm::contact::{CellRepulsion, ContactError, SlitChannel, SoftSphere, WallRepulsion};
 use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, UM, Vec3};
-use lbm_ibm::ibm::DeltaExchange;
+use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Drive, Fluid, LbmError, Pace};
 use lbm_ibm::membrane::{Cell, Form, Mesh, Moduli, presets};
 use std::sync::Arc;
@@ -132,32 +132,99 @@ pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f
     Ok(scene)
 }
 
-/// `count` elastic spheres of 642 nodes and 8 um in a periodic cube of `n` um, on a grid of 1 um, under a uniform force.
+/// Elastic spheres of 642 nodes and 8 um in a cube, on a grid of 1 um, under a uniform force.
+#[derive(Clone, Copy, Debug)]
+pub struct Crowd {
+    /// Nodes along each edge of the cube.
+    pub size: usize,
+    /// Spheres.
+    pub count: usize,
+    /// How they meet the fluid.
+    pub kernel: Kernel,
+    /// Whether walls close the cube; else it is periodic.
+    pub closed: bool,
+    /// Whether spheres repel each other.
+    pub contact: bool,
+}
+
+impl Crowd {
+    /// A periodic cube of `size` um with `count` spheres that repel each other.
+    pub fn new(size: usize, count: usize) -> Self {
+        Self {
+            size,
+            count,
+            kernel: Kernel::default(),
+            closed: false,
+            contact: true,
+        }
+    }
+
+    /// Grid and fluid alone.
+    ///
+    /// # Errors
+    /// None that is expected.
+    pub fn fluid(&self) -> Result<Fluid, Fault> {
+        let fluid = plasma(Grid::new([self.size; 3], UM, [!self.closed; 3]), 0.9, 80.0)?;
+        Ok(fluid.with_drive(Drive::Force(Vec3::x() * 1e3))?)
+    }
+
+    /// The shape of each sphere at rest, and its laws: the paper's four moduli.
+    ///
+    /// # Errors
+    /// None that is expected.
+    pub fn sphere() -> Result<Cell, Fault> {
+        let mesh = Arc::new(Mesh::sphere(4.0 * UM, 642)?);
+        let moduli = Moduli::CTC_PAPER.for_edge(1.75 * UM, mesh.mean_edge());
+        Ok(moduli.cell("sphere", mesh, Form::Corrected)?)
+    }
+
+    /// Where each sphere is put.
+    ///
+    /// # Errors
+    /// [`Fault`] where the spheres do not fit.
+    pub fn poses(&self) -> Result<Vec<Isometry3<f64>>, Fault> {
+        let per_edge = (1..).find(|n: &usize| n.pow(3) >= self.count).unwrap_or(1);
+        let pitch = self.size as f64 * UM / per_edge as f64;
+        if pitch < 9.0 * UM {
+            return Err(format!(
+                "{} spheres of 8 um do not fit into {} um: use at most {}",
+                self.count,
+                self.size,
+                (self.size / 9).pow(3)
+            )
+            .into());
+        }
+        let pose = |i: usize| {
+            let at = [i % per_edge, i / per_edge % per_edge, i / (per_edge * per_edge)];
+            let [x, y, z] = at.map(|c| (c as f64 + 0.5) * pitch);
+            Isometry3::translation(x, y, z)
+        };
+        Ok((0..self.count).map(pose).collect())
+    }
+
+    /// The whole scene.
+    ///
+    /// # Errors
+    /// [`Fault`] where the spheres do not fit.
+    pub fn scene(&self) -> Result<Scene, Fault> {
+        let poses = self.poses()?;
+        let mut scene = Scene::with_fluid(self.fluid()?, DeltaExchange::new(self.kernel));
+        let sphere = Self::sphere()?;
+        for pose in poses {
+            scene.add_body(sphere.clone(), &pose)?;
+        }
+        if self.contact {
+            // At the paper's full strength this contact would set the time step, to less than a microsecond.
+            scene.add_field(CellRepulsion::new(SoftSphere::paper_cell().scaled(0.01)));
+        }
+        Ok(scene)
+    }
+}
+
+/// [`Crowd::new`] as a scene.
 ///
 /// # Errors
 /// [`Fault`] where the spheres do not fit.
 pub fn crowd(n: usize, count: usize) -> Result<Scene, Fault> {
-    let per_edge = (1..).find(|n: &usize| n.pow(3) >= count).unwrap_or(1);
-    let pitch = n as f64 * UM / per_edge as f64;
-    if pitch < 9.0 * UM {
-        return Err(format!(
-            "{count} spheres of 8 um do not fit into {n} um: use at most {}",
-            (n / 9).pow(3)
-        )
-        .into());
-    }
-    let fluid = plasma(Grid::new([n; 3], UM, [true; 3]), 1.0, 80.0)?;
-    let fluid = fluid.with_drive(Drive::Force(Vec3::x() * 1e3))?;
-    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default()));
-    let mesh = Arc::new(Mesh::sphere(4.0 * UM, 642)?);
-    let moduli = Moduli::CTC_PAPER.for_edge(1.75 * UM, mesh.mean_edge());
-    let sphere = moduli.cell("sphere", mesh, Form::Corrected)?;
-    for i in 0..count {
-        let [x, y, z] = [i % per_edge, i / per_edge % per_edge, i / (per_edge * per_edge)];
-        let at = [x, y, z].map(|c| (c as f64 + 0.5) * pitch);
-        scene.add_body(sphere.clone(), &Isometry3::translation(at[0], at[1], at[2]))?;
-    }
-    // At the paper's full strength this contact would set the time step, to less than a microsecond.
-    scene.add_field(CellRepulsion::new(SoftSphere::paper_cell().scaled(0.01)));
-    Ok(scene)
+    Crowd::new(n, count).scene()
 }

@@ -1,5 +1,6 @@
-//! Timings of magnetic sums and fields, as rows that the program `speed` prints and charts are drawn from.
+//! Timings of cells in a fluid, of magnetic sums and fields, as rows that the program `speed` prints and charts are drawn from.
 
+pub mod cells;
 pub mod dipoles;
 pub mod far_field;
 pub mod field;

@@ -13,12 +13,18 @@ const NONE: u32 = u32::MAX;
 ///
 /// A brick that is in use has a *slot*; slots are in ascending brick order. Inside a slot node `(i, j, k)` of the brick
 /// has index `(k * 8 + j) * 8 + i`. The last brick of a direction may reach past the grid; those nodes mean nothing.
+///
+/// Bodies are surfaces: they touch few of the 64 rows of a brick, `(j, k)` bit `8 k + j` of [`Bricks::rows`]. Forces of the
+/// others are zero, and nobody reads their velocities, so that a fluid need not fill them in.
 #[derive(Clone, Debug)]
 pub struct Bricks {
     counts: [usize; 3],
     slot_of: Vec<u32>,
     old_slot_of: Vec<u32>,
-    wanted: Vec<bool>,
+    wanted: Vec<u64>,
+    /// Rows in use by brick, and those whose forces may not be zero.
+    rows: Vec<u64>,
+    dirty: Vec<u64>,
     active: Vec<u32>,
     velocity: [Vec<f64>; 3],
     force: [Vec<f64>; 3],
@@ -34,7 +40,9 @@ impl Bricks {
             counts,
             slot_of: vec![NONE; total],
             old_slot_of: vec![NONE; total],
-            wanted: vec![false; total],
+            wanted: vec![0; total],
+            rows: vec![0; total],
+            dirty: vec![0; total],
             active: Vec::new(),
             velocity: Default::default(),
             force: Default::default(),
@@ -77,6 +85,12 @@ impl Bricks {
         (bz * self.counts[1] + by) * self.counts[0] + bx
     }
 
+    /// Rows of a slot that are in use: bit `8 k + j`.
+    #[inline]
+    pub fn rows(&self, slot: usize) -> u64 {
+        self.rows[self.active[slot] as usize]
+    }
+
     /// Velocity components of all slots, m/s.
     pub fn velocity(&self) -> &[Vec<f64>; 3] {
         &self.velocity
@@ -104,8 +118,15 @@ impl Bricks {
 
     /// Sets all forces to zero.
     pub fn clear_force(&mut self) {
-        for f in &mut self.force {
-            f.fill(0.0);
+        for (slot, &b) in self.active.iter().enumerate() {
+            let mut left = std::mem::replace(&mut self.dirty[b as usize], self.rows[b as usize]);
+            while left != 0 {
+                let at = slot * NODES + left.trailing_zeros() as usize * EDGE;
+                for force in &mut self.force {
+                    force[at..at + EDGE].fill(0.0);
+                }
+                left &= left - 1;
+            }
         }
     }
 
@@ -118,17 +139,31 @@ impl Bricks {
     /// Asks for a brick (by linear number) to be in use after the next [`Bricks::commit`].
     #[inline]
     pub fn want(&mut self, index: usize) {
-        self.wanted[index] = true;
+        self.want_rows(index, !0);
+    }
+
+    /// Asks for some rows of a brick: bit `8 k + j` of `rows`.
+    #[inline]
+    pub fn want_rows(&mut self, index: usize, rows: u64) {
+        self.wanted[index] |= rows;
     }
 
     /// Takes up the bricks asked for since the last commit and drops the others. Forces of bricks that stay are kept,
     /// those of new bricks are zero; velocities are to be read anew. Returns whether the set has changed.
     pub fn commit(&mut self) -> bool {
-        let changed = self.wanted.iter().zip(&self.slot_of).any(|(&w, &s)| w != (s != NONE));
+        let changed = self
+            .wanted
+            .iter()
+            .zip(&self.slot_of)
+            .any(|(&w, &s)| (w != 0) != (s != NONE));
         if changed {
             self.rebuild();
         }
-        self.wanted.fill(false);
+        std::mem::swap(&mut self.rows, &mut self.wanted);
+        for (dirty, rows) in self.dirty.iter_mut().zip(&self.rows) {
+            *dirty |= rows;
+        }
+        self.wanted.fill(0);
         changed
     }
 
@@ -137,7 +172,7 @@ impl Bricks {
         std::mem::swap(&mut self.slot_of, &mut self.old_slot_of);
         self.slot_of.fill(NONE);
         self.active.clear();
-        for (b, _) in self.wanted.iter().enumerate().filter(|(_, w)| **w) {
+        for (b, _) in self.wanted.iter().enumerate().filter(|(_, w)| **w != 0) {
             self.slot_of[b] = self.active.len() as u32;
             self.active.push(b as u32);
         }
@@ -152,6 +187,11 @@ impl Bricks {
                     let from = old as usize * NODES;
                     force[slot * NODES..][..NODES].copy_from_slice(&self.spare[from..][..NODES]);
                 }
+            }
+        }
+        for (dirty, slot) in self.dirty.iter_mut().zip(&self.slot_of) {
+            if *slot == NONE {
+                *dirty = 0;
             }
         }
         for velocity in &mut self.velocity {
@@ -178,5 +218,21 @@ mod tests {
         assert_eq!(bricks.slot([2, 0, 0]), Some(1));
         assert_eq!(bricks.force()[1][NODES + 5], 7.0);
         assert_eq!(bricks.total_force().y, 7.0);
+    }
+
+    #[test]
+    fn rows_are_cleared_that_were_in_use() {
+        let mut bricks = Bricks::new(&Grid::new([8, 8, 8], 1.0, [true; 3]));
+        bricks.want_rows(0, 1 << 9);
+        bricks.commit();
+        bricks.clear_force();
+        bricks.force_mut()[0][72..80].fill(1.0);
+        bricks.want_rows(0, 1 << 63);
+        bricks.want_rows(0, 1);
+        bricks.commit();
+        assert_eq!(bricks.rows(0), 1 << 63 | 1);
+        bricks.force_mut()[2][511] = 1.0;
+        bricks.clear_force();
+        assert_eq!(bricks.total_force(), Vec3::zeros());
     }
 }

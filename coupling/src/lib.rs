@@ -23,6 +23,7 @@ mod scene;
 mod soa;
 mod sphere;
 mod units;
+mod widest;
 
 pub use body::{ImmersedBody, Motion, enclosed_volume, surface_area};
 pub use boundary::{Boundary, Closure, Difference, Moved, Plane, Probe, Union};
@@ -43,6 +44,8 @@ pub use soa::{Soa3, Soa3Mut, Soa3Ref};
 pub use sphere::Sphere;
 
 pub use units::{MM, MS, NN, PN, Scales, UM, US, Units, UnitsReport};
+
+pub use widest::{Work, on_widest};
 
 pub use nalgebra;
 

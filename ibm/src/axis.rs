@@ -20,8 +20,11 @@ pub(crate) struct Segment {
     pub size: usize,
 }
 
-/// Most segments along an axis: a tile has at most 13 nodes.
-pub(crate) const SEGMENTS: usize = 13;
+/// Most nodes of a tile along an axis, and so most segments: corners from 3 before a brick to its last node, and a stencil
+/// of 6.
+pub(crate) const SEGMENTS: usize = 16;
+/// How far before a brick a corner may be, at a wall.
+pub(crate) const BEFORE: i8 = 3;
 
 impl Axis {
     pub fn all(grid: &Grid) -> [Self; 3] {

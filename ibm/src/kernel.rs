@@ -130,7 +130,7 @@ impl Kernel {
 }
 
 /// Lowest of `support` nodes about `s` and the remainder in `[0, 1)` that [`Delta::weights`] takes.
-#[inline]
+#[inline(always)]
 pub(crate) fn lower_corner(s: f64, support: usize) -> (i64, f64) {
     let t = s + (1.0 - 0.5 * support as f64);
     let lower = t.floor();
@@ -156,14 +156,14 @@ pub(crate) struct Cosine;
 pub(crate) struct Cubic;
 
 impl Delta<2> for Hat {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 2] {
         [1.0 - f, f]
     }
 }
 
 impl Delta<3> for Roma {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 3] {
         let g = f - 0.5;
         let q = (1.0 - 3.0 * g * g).sqrt();
@@ -173,7 +173,7 @@ impl Delta<3> for Roma {
 }
 
 impl Delta<3> for Quadratic {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 3] {
         let g = f - 0.5;
         [0.5 * (0.5 - g) * (0.5 - g), 0.75 - g * g, 0.5 * (0.5 + g) * (0.5 + g)]
@@ -181,7 +181,7 @@ impl Delta<3> for Quadratic {
 }
 
 impl Delta<4> for Peskin {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 4] {
         let q = (1.0 + 4.0 * f * (1.0 - f)).sqrt();
         let (a, b) = (3.0 - 2.0 * f, 1.0 + 2.0 * f);
@@ -190,7 +190,7 @@ impl Delta<4> for Peskin {
 }
 
 impl Delta<4> for Cosine {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 4] {
         let (s, c) = (std::f64::consts::FRAC_PI_2 * f).sin_cos();
         [0.25 * (1.0 - s), 0.25 * (1.0 + c), 0.25 * (1.0 + s), 0.25 * (1.0 - c)]
@@ -198,7 +198,7 @@ impl Delta<4> for Cosine {
 }
 
 impl Delta<4> for Cubic {
-    #[inline]
+    #[inline(always)]
     fn weights(f: f64) -> [f64; 4] {
         let g = 1.0 - f;
         let middle = |t: f64| (4.0 - 3.0 * t * t * (2.0 - t)) / 6.0;

@@ -1,12 +1,12 @@
 //! Markers on the grid: sorted by brick, with the part of the grid that the markers of each brick touch.
 
-use crate::axis::{Axis, SEGMENTS, Segment};
+use crate::axis::{Axis, BEFORE, SEGMENTS, Segment};
 use crate::table::Table;
 use crate::threads;
-use lbm_ibm_coupling::{Bricks, Grid, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{BRICK_EDGE, Bricks, Grid, Soa3Ref, Vec3};
 
 /// Markers per task.
-const LEAF: usize = 512;
+const LEAF: usize = 2048;
 /// Brick of a marker that is outside the grid.
 const OUTSIDE: u32 = u32::MAX;
 
@@ -40,6 +40,8 @@ pub(crate) struct Group {
     pub tile: usize,
     /// First of its blocks; the next group's first ends it.
     pub block: usize,
+    /// Rows of the tile that stencils touch: bit y of number z.
+    pub rows: [u16; SEGMENTS],
 }
 
 /// A box of nodes that a tile and a brick share.
@@ -53,6 +55,8 @@ pub(crate) struct Block {
     /// Corner in the tile.
     pub tile: [usize; 3],
     pub size: [usize; 3],
+    /// Rows of the brick that stencils touch: bit `8 z + y`.
+    pub rows: u64,
 }
 
 /// All markers on the grid.
@@ -129,7 +133,7 @@ impl Placement {
         self.sort(counts.iter().product());
         self.group(counts, support, &axes);
         for block in &self.blocks {
-            bricks.want(bricks.index(block.brick));
+            bricks.want_rows(bricks.index(block.brick), block.rows);
         }
         Ok(())
     }
@@ -171,19 +175,29 @@ impl Placement {
                 continue;
             }
             let (mut low, mut high) = ([i8::MAX; 3], [i8::MIN; 3]);
+            let mut touched = [0u16; SEGMENTS];
             for p in &self.placed[first..end] {
                 for a in 0..3 {
                     low[a] = low[a].min(p.corner[a]);
                     high[a] = high[a].max(p.corner[a]);
                 }
+                let rows = ((1 << support) - 1) << (p.corner[1] + BEFORE);
+                touched[(p.corner[2] + BEFORE) as usize..][..support]
+                    .iter_mut()
+                    .for_each(|r| *r |= rows);
             }
-            let group = Group {
+            let mut group = Group {
                 first,
                 corner: low,
                 size: [0, 1, 2].map(|a| (high[a] - low[a]) as usize + support),
                 tile: self.tile_nodes,
                 block: self.blocks.len(),
+                rows: [0; SEGMENTS],
             };
+            let [y, z] = [1, 2].map(|a| (low[a] + BEFORE) as usize);
+            for (to, from) in group.rows.iter_mut().zip(&touched[z..]) {
+                *to = from >> y;
+            }
             self.tile_nodes += group.size.iter().product::<usize>();
             let brick = [b % counts[0], b / counts[0] % counts[1], b / (counts[0] * counts[1])];
             self.cut(&group, brick, axes);
@@ -201,7 +215,12 @@ impl Placement {
         let [xs, ys, zs] = &segments;
         for z in &zs[..n[2]] {
             for y in &ys[..n[1]] {
-                for x in &xs[..n[0]] {
+                let mut rows = 0;
+                for k in 0..z.size {
+                    let row = u64::from(group.rows[z.tile + k] >> y.tile) & ((1 << y.size) - 1);
+                    rows |= row << ((z.local + k) * BRICK_EDGE + y.local);
+                }
+                for x in xs[..n[0]].iter().filter(|_| rows != 0) {
                     self.blocks.push(Block {
                         brick: [x.brick, y.brick, z.brick],
                         slot: 0,
@@ -209,6 +228,7 @@ impl Placement {
                         local: [x.local, y.local, z.local],
                         tile: [x.tile, y.tile, z.tile],
                         size: [x.size, y.size, z.size],
+                        rows,
                     });
                 }
             }

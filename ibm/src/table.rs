@@ -27,10 +27,12 @@ pub(crate) struct Table {
     /// Node `j` of row `i`, `C_ij` and `C_ji`.
     neighbours: Vec<(u32, f64, f64)>,
     divided: bool,
+    /// Every node is its own marker, in order.
+    plain: bool,
 }
 
 /// Nodes per task.
-const LEAF: usize = 512;
+const LEAF: usize = 2048;
 
 impl Table {
     /// Weights for `nodes` nodes of which each body has a range and a subdivision.
@@ -61,6 +63,7 @@ impl Table {
         table.weight = (0..area.len())
             .map(|m| [0, 1, 2].map(|p| share(m, p, &table.parent[m], &table.shape[m])))
             .collect();
+        table.plain = !table.divided && table.parent.iter().map(|p| p[0]).eq(0..nodes as u32);
         table.list_markers(nodes);
         if table.divided {
             table.list_neighbours(nodes, &lumped);
@@ -111,16 +114,23 @@ impl Table {
     }
 
     /// Position of a marker, m, at node positions `x`, m.
-    #[inline]
+    #[inline(always)]
     pub fn position(&self, m: usize, x: Soa3Ref<'_>) -> [f64; 3] {
+        if self.plain {
+            return [x.x[m], x.y[m], x.z[m]];
+        }
         let (n, [a, b, c]) = (self.parent[m].map(|n| n as usize), self.shape[m]);
         let at = |v: &[f64]| a * v[n[0]] + b * v[n[1]] + c * v[n[2]];
         [at(x.x), at(x.y), at(x.z)]
     }
 
     /// Force on a marker of the node forces that [`Table::to_markers`] gives.
-    #[inline]
+    #[inline(always)]
     pub fn marker_force(&self, m: usize, force: &[[f64; 3]]) -> [f64; 4] {
+        if self.plain {
+            let [x, y, z] = force[m];
+            return [x, y, z, 0.0];
+        }
         let ([i, j, k], [a, b, c]) = (self.parent[m].map(|n| force[n as usize]), self.weight[m]);
         let at = |axis: usize| a * i[axis] + b * j[axis] + c * k[axis];
         [at(0), at(1), at(2), 0.0]
@@ -136,6 +146,13 @@ impl Table {
 
     /// Node velocities of marker velocities `u(m)`; `scratch` is kept between calls.
     pub fn to_nodes(&self, u: impl Fn(usize) -> [f64; 3] + Sync, out: [&mut [f64]; 3], scratch: &mut Scratch) {
+        if self.plain {
+            return threads::rows(out, 1, 0, LEAF, &|first, [x, y, z]| {
+                for i in 0..x.len() {
+                    [x[i], y[i], z[i]] = u(first + i);
+                }
+            });
+        }
         let nodes = out[0].len();
         scratch.resize(nodes);
         threads::fill(&mut scratch.plain, 0, LEAF, &|j| {

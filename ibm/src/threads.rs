@@ -1,5 +1,7 @@
 //! Fork and join over slices. Results never depend on the number of threads: each output is computed whole, by one task.
 
+use lbm_ibm_coupling::{Work, on_widest};
+
 /// Runs both, on two threads where there are two.
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     #[cfg(feature = "parallel")]
@@ -12,14 +14,28 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
 /// Sets `out[i]` to `value(first + i)`, at least `leaf` items to a task.
 pub(crate) fn fill<T: Send>(out: &mut [T], first: usize, leaf: usize, value: &(impl Fn(usize) -> T + Sync)) {
     if out.len() <= leaf {
-        for (i, o) in out.iter_mut().enumerate() {
-            *o = value(first + i);
-        }
-        return;
+        return on_widest(Fill { out, first, value });
     }
     let half = out.len() / 2;
     let (a, b) = out.split_at_mut(half);
     join(|| fill(a, first, leaf, value), || fill(b, first + half, leaf, value));
+}
+
+struct Fill<'a, T, F> {
+    out: &'a mut [T],
+    first: usize,
+    value: &'a F,
+}
+
+impl<T, F: Fn(usize) -> T> Work for Fill<'_, T, F> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (i, o) in self.out.iter_mut().enumerate() {
+            *o = (self.value)(self.first + i);
+        }
+    }
 }
 
 /// Calls `work` with the number of the first row and that task's part of three arrays with rows of `width` items, at

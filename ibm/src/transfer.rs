@@ -7,52 +7,73 @@
 use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma};
 use crate::placement::{Block, Group, Placed, Placement};
 use crate::threads;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES};
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Work, on_widest};
+use std::marker::PhantomData;
 
 /// Three components and one to fill a vector register.
 pub(crate) type Node = [f64; 4];
 
-/// Groups per task.
-const GROUPS: usize = 4;
+/// Markers per task: below that another thread is not worth waking.
+const MARKERS: usize = 1024;
 /// Slots per task.
-const SLOTS: usize = 8;
+const SLOTS: usize = 32;
 
-/// First node of a row of a block in its brick and in its tile.
-#[inline]
-fn row(block: &Block, group: &Group, j: usize, k: usize) -> (usize, usize) {
+/// First node of a row of a block in its brick (row `bit` of it) and in its tile.
+#[inline(always)]
+fn row(block: &Block, group: &Group, bit: usize) -> (usize, usize) {
+    let (j, k) = (bit % BRICK_EDGE, bit / BRICK_EDGE);
     let [x, y, z] = block.local;
-    let brick = ((z + k) * BRICK_EDGE + y + j) * BRICK_EDGE + x;
     let [tx, ty, tz] = block.tile;
-    (brick, ((tz + k) * group.size[1] + ty + j) * group.size[0] + tx)
+    let tile = ((tz + k - z) * group.size[1] + ty + j - y) * group.size[0] + tx;
+    (bit * BRICK_EDGE + x, tile)
+}
+
+/// The bits that are set, in ascending order.
+#[inline(always)]
+fn bits(mut left: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = left.trailing_zeros() as usize;
+        left &= left.wrapping_sub(1);
+        (bit < 64).then_some(bit)
+    })
+}
+
+/// Sets the rows of a tile that stencils touch to zero.
+#[inline(always)]
+fn clear(group: &Group, tile: &mut [Node]) {
+    for (k, rows) in group.rows[..group.size[2]].iter().enumerate() {
+        for j in bits(u64::from(*rows)) {
+            tile[(k * group.size[1] + j) * group.size[0]..][..group.size[0]].fill([0.0; 4]);
+        }
+    }
 }
 
 /// First node of a marker's stencil in the tile of its group.
-#[inline]
+#[inline(always)]
 fn corner(p: &Placed, group: &Group) -> usize {
     let [x, y, z] = [0, 1, 2].map(|a| (p.corner[a] - group.corner[a]) as usize);
     (z * group.size[1] + y) * group.size[0] + x
 }
 
+#[inline(always)]
 fn load_tile(placement: &Placement, g: usize, field: [&[f64]; 3], tile: &mut [Node]) {
-    tile.fill([0.0; 4]);
     let group = &placement.groups[g];
+    clear(group, tile);
     let end = placement.groups.get(g + 1).map_or(placement.blocks.len(), |n| n.block);
     for block in &placement.blocks[group.block..end] {
         let [u, v, w] = field.map(|a| &a[block.slot * BRICK_NODES..][..BRICK_NODES]);
-        for k in 0..block.size[2] {
-            for j in 0..block.size[1] {
-                let (from, to) = row(block, group, j, k);
-                let n = block.size[0];
-                let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
-                for (i, node) in tile[to..][..n].iter_mut().enumerate() {
-                    *node = [u[i], v[i], w[i], 0.0];
-                }
+        let n = block.size[0];
+        for bit in bits(block.rows) {
+            let (from, to) = row(block, group, bit);
+            let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
+            for (i, node) in tile[to..][..n].iter_mut().enumerate() {
+                *node = [u[i], v[i], w[i], 0.0];
             }
         }
     }
 }
 
-#[inline]
+#[inline(always)]
 fn gather<const S: usize, D: Delta<S>>(p: &Placed, group: &Group, tile: &[Node]) -> [f64; 3] {
     let [wx, wy, wz] = p.f.map(D::weights);
     let (row, layer) = (group.size[0], group.size[0] * group.size[1]);
@@ -76,7 +97,7 @@ fn gather<const S: usize, D: Delta<S>>(p: &Placed, group: &Group, tile: &[Node])
     [sum[0], sum[1], sum[2]]
 }
 
-#[inline]
+#[inline(always)]
 fn scatter<const S: usize, D: Delta<S>>(p: &Placed, force: Node, group: &Group, tile: &mut [Node]) {
     let [wx, wy, wz] = p.f.map(D::weights);
     let (row, layer) = (group.size[0], group.size[0] * group.size[1]);
@@ -103,11 +124,14 @@ pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
     out: &mut [[f64; 3]],
 ) {
     let work = |g: usize, tile: &mut [Node], out: &mut [[f64; 3]]| {
-        load_tile(placement, g, field, tile);
-        let group = &placement.groups[g];
-        for (u, p) in out.iter_mut().zip(placement.markers_of(g)) {
-            *u = gather::<S, D>(p, group, tile);
-        }
+        on_widest(Gather::<S, D> {
+            placement,
+            g,
+            field,
+            tile,
+            out,
+            kernel: PhantomData,
+        });
     };
     each_group(&placement.groups, 0, tiles, out, &work);
 }
@@ -120,11 +144,13 @@ pub(crate) fn spread<const S: usize, D: Delta<S>>(
     field: [&mut [f64]; 3],
 ) {
     let work = |g: usize, tile: &mut [Node], _: &mut [()]| {
-        tile.fill([0.0; 4]);
-        let group = &placement.groups[g];
-        for p in placement.markers_of(g) {
-            scatter::<S, D>(p, force(p.marker as usize), group, tile);
-        }
+        on_widest(Scatter::<S, D, _> {
+            placement,
+            g,
+            force: &force,
+            tile,
+            kernel: PhantomData,
+        });
     };
     // Units take no memory: only tiles are written.
     each_group(
@@ -138,8 +164,12 @@ pub(crate) fn spread<const S: usize, D: Delta<S>>(
     threads::rows(field, BRICK_NODES, 0, SLOTS, &|first, [fx, fy, fz]| {
         for s in 0..fx.len() / BRICK_NODES {
             let range = s * BRICK_NODES..(s + 1) * BRICK_NODES;
-            let brick = [&mut fx[range.clone()], &mut fy[range.clone()], &mut fz[range]];
-            collect(placement, first + s, tiles, brick);
+            on_widest(Collect {
+                placement,
+                slot: first + s,
+                tiles,
+                brick: [&mut fx[range.clone()], &mut fy[range.clone()], &mut fz[range]],
+            });
         }
     });
 }
@@ -180,15 +210,71 @@ pub(crate) fn spread_by(
     }
 }
 
+/// Velocities at the markers of group `g`.
+struct Gather<'a, const S: usize, D> {
+    placement: &'a Placement,
+    g: usize,
+    field: [&'a [f64]; 3],
+    tile: &'a mut [Node],
+    out: &'a mut [[f64; 3]],
+    kernel: PhantomData<D>,
+}
+
+impl<const S: usize, D: Delta<S>> Work for Gather<'_, S, D> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        load_tile(self.placement, self.g, self.field, self.tile);
+        let group = &self.placement.groups[self.g];
+        for (u, p) in self.out.iter_mut().zip(self.placement.markers_of(self.g)) {
+            *u = gather::<S, D>(p, group, self.tile);
+        }
+    }
+}
+
+/// Forces of the markers of group `g` on its tile.
+struct Scatter<'a, const S: usize, D, F> {
+    placement: &'a Placement,
+    g: usize,
+    force: &'a F,
+    tile: &'a mut [Node],
+    kernel: PhantomData<D>,
+}
+
+impl<const S: usize, D: Delta<S>, F: Fn(usize) -> Node> Work for Scatter<'_, S, D, F> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let group = &self.placement.groups[self.g];
+        clear(group, self.tile);
+        for p in self.placement.markers_of(self.g) {
+            scatter::<S, D>(p, (self.force)(p.marker as usize), group, self.tile);
+        }
+    }
+}
+
 /// Adds the tiles that reach a brick to it.
-fn collect(placement: &Placement, slot: usize, tiles: &[Node], [fx, fy, fz]: [&mut [f64]; 3]) {
-    for block in placement.blocks_of_slot(slot) {
-        let group = &placement.groups[block.group];
-        let tile = &tiles[group.tile..];
-        for k in 0..block.size[2] {
-            for j in 0..block.size[1] {
-                let (to, from) = row(block, group, j, k);
-                let n = block.size[0];
+struct Collect<'a> {
+    placement: &'a Placement,
+    slot: usize,
+    tiles: &'a [Node],
+    brick: [&'a mut [f64]; 3],
+}
+
+impl Work for Collect<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [fx, fy, fz] = self.brick;
+        for block in self.placement.blocks_of_slot(self.slot) {
+            let group = &self.placement.groups[block.group];
+            let tile = &self.tiles[group.tile..];
+            let n = block.size[0];
+            for bit in bits(block.rows) {
+                let (to, from) = row(block, group, bit);
                 let (x, y, z) = (&mut fx[to..][..n], &mut fy[to..][..n], &mut fz[to..][..n]);
                 for (i, node) in tile[from..][..n].iter().enumerate() {
                     x[i] += node[0];
@@ -212,7 +298,7 @@ fn each_group<T: Send>(
         return;
     };
     let (tile0, marker0) = (head.tile, head.first);
-    if groups.len() > GROUPS {
+    if markers.len() > MARKERS && groups.len() > 1 {
         let half = groups.len() / 2;
         let (left, right) = groups.split_at(half);
         let (tiles_left, tiles_right) = tiles.split_at_mut(right[0].tile - tile0);

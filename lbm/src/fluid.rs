@@ -85,7 +85,7 @@ pub struct Fluid {
     pub(crate) bodies: [f64; 3],
     /// Superficial velocity after the last step, lattice units, where the drive has needed it.
     pub(crate) flow: Option<[f64; 3]>,
-    pub(crate) slots: Vec<[usize; 3]>,
+    pub(crate) slots: Vec<([usize; 3], u64)>,
 }
 
 impl Fluid {

@@ -66,7 +66,7 @@ impl Lattice for Fluid {
     fn read_velocity(&mut self, bricks: &mut Bricks) {
         let mut slots = std::mem::take(&mut self.slots);
         slots.clear();
-        slots.extend((0..bricks.len()).map(|s| bricks.brick(s)));
+        slots.extend((0..bricks.len()).map(|s| (bricks.brick(s), bricks.rows(s))));
         let (velocity, force) = bricks.velocity_mut_and_force();
         let fluid = &*self;
         parallel::for_each_chunk(&slots, velocity, BRICK_NODES, |slot, brick, to| {
@@ -277,7 +277,8 @@ impl Fluid {
         self.owed = [self.owed[0] + gained, self.owed[0]];
     }
 
-    fn read_brick(&self, brick: &[usize; 3], force: [&[f64]; 3], mut to: [&mut [f64]; 3]) {
+    /// The velocity of the rows of a brick that are in use.
+    fn read_brick(&self, (brick, rows): &([usize; 3], u64), force: [&[f64]; 3], mut to: [&mut [f64]; 3]) {
         let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
         let (unit, scale) = (self.velocity_unit(), self.force_scale());
         let shape = self.grid.shape;
@@ -285,6 +286,9 @@ impl Fluid {
         let mut moments = [[0.0; BRICK_EDGE]; 4];
         for k in z..(z + BRICK_EDGE).min(shape[2]) {
             for j in y..(y + BRICK_EDGE).min(shape[1]) {
+                if rows >> ((k - z) * BRICK_EDGE + (j - y)) & 1 == 0 {
+                    continue;
+                }
                 let at = ((k - z) * BRICK_EDGE + (j - y)) * BRICK_EDGE;
                 for to in to.iter_mut() {
                     to[at..at + end - x].fill(0.0);

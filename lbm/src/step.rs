@@ -175,8 +175,11 @@ impl Step<'_> {
         }
     }
 
+    /// The slot of a brick of which bodies touch this row.
     fn slot(&self, brick: usize, row: &Row) -> Option<usize> {
-        self.bricks.slot([brick, row.j / BRICK_EDGE, row.k / BRICK_EDGE])
+        let slot = self.bricks.slot([brick, row.j / BRICK_EDGE, row.k / BRICK_EDGE])?;
+        let bit = row.k % BRICK_EDGE * BRICK_EDGE + row.j % BRICK_EDGE;
+        (self.bricks.rows(slot) >> bit & 1 == 1).then_some(slot)
     }
 
     /// Divides a run into stretches in bricks and stretches beside them.

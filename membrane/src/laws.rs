@@ -11,7 +11,7 @@
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
-//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`] | 0 | 0 | yes |
+//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`AreaVolume`] | 0 | 0 | yes |
 //! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`], [`CorticalTension`] | 0 | 0 | yes |
 //! | [`Viscosity`] | 0 | 0 | no, it takes power |
 //! | [`Bending2011`] | 0 | not 0 | no |
@@ -20,7 +20,9 @@
 
 mod area;
 mod area_2011;
+mod area_volume;
 mod balanced;
+mod batch;
 mod bending;
 mod bending_2011;
 mod cortical;
@@ -32,12 +34,14 @@ mod neo_hookean;
 mod rigid;
 mod skalak;
 mod stretching;
+mod triangles;
 mod viscosity;
 mod volume;
 mod worm_like_chain;
 
 pub use area::{GlobalArea, LocalArea};
 pub use area_2011::{Area2011, Reach};
+pub use area_volume::AreaVolume;
 pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;

@@ -3,7 +3,7 @@
 //! The table gives bare numbers. Read with lengths in um and forces in nN, and with the formulas of the software of the
 //! time, they reproduce both of the paper's calibrations; see [`crate::stretch`].
 
-use crate::laws::{Area2011, Balanced, Bending, Bending2011, GlobalArea, LocalArea, Reach, Stretching, Volume};
+use crate::laws::{Area2011, AreaVolume, Balanced, Bending, Bending2011, LocalArea, Reach, Stretching, Volume};
 use crate::{Cell, Disc, MembraneError, Mesh, Spacing};
 use std::sync::Arc;
 
@@ -80,26 +80,32 @@ impl Moduli {
     /// [`MembraneError::NotPositive`].
     pub fn cell(&self, kind: &str, mesh: Arc<Mesh>, form: Form) -> Result<Cell, MembraneError> {
         let m = &*mesh;
-        let stretching = Stretching::new(m, self.stretching)?;
-        let volume = Volume::new(m, self.volume)?;
-        let cell = Cell::new(kind, mesh.clone()).with_law(stretching);
-        let cell = match form {
+        let cell = Cell::new(kind, mesh.clone()).with_law(Stretching::new(m, self.stretching)?);
+        Ok(match form {
             Form::Paper2011 => cell
                 .with_law(Bending2011::new(m, self.bending)?)
                 .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
-                .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
-            Form::Paper2011Balanced => cell.with_law(
-                Balanced::new(m.nodes().len())
-                    .with_law(Bending2011::new(m, self.bending)?)
-                    .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
-                    .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
-            ),
-            Form::Corrected => cell
-                .with_law(Bending::new(m, Bending::stiffness_from_2011(m, self.bending))?)
-                .with_law(LocalArea::new(m, LocalArea::modulus_from_2011(m, self.local_area))?)
-                .with_law(GlobalArea::new(m, LocalArea::modulus_from_2011(m, self.global_area))?),
-        };
-        Ok(cell.with_law(volume))
+                .with_law(Area2011::new(m, Reach::Global, self.global_area)?)
+                .with_law(Volume::new(m, self.volume)?),
+            Form::Paper2011Balanced => cell
+                .with_law(
+                    Balanced::new(m.nodes().len())
+                        .with_law(Bending2011::new(m, self.bending)?)
+                        .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
+                        .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
+                )
+                .with_law(Volume::new(m, self.volume)?),
+            Form::Corrected => {
+                let area = |k| LocalArea::modulus_from_2011(m, k);
+                cell.with_law(Bending::new(m, Bending::stiffness_from_2011(m, self.bending))?)
+                    .with_law(AreaVolume::new(
+                        m,
+                        area(self.local_area),
+                        area(self.global_area),
+                        self.volume,
+                    )?)
+            }
+        })
     }
 }
 

@@ -2,9 +2,11 @@
 
 use clap::{Args, Parser, Subcommand};
 use lbm_ibm::coupling::{Bricks, Grid, Lattice, UM, Vec3};
+use lbm_ibm::ibm::Kernel;
 use lbm_ibm::lbm::{Drive, Fluid, InstructionSet};
 use lbm_ibm_benches::Fault;
-use lbm_ibm_benches::scenes::{crowd, on_threads, plasma};
+use lbm_ibm_benches::scenes::{Crowd, on_threads, plasma};
+use lbm_ibm_benches::speed::cells::{Speed as Cells, cells};
 use lbm_ibm_benches::speed::dipoles::{Rung, Sums, rungs};
 use lbm_ibm_benches::speed::far_field::{Row, far_field};
 use lbm_ibm_benches::speed::field;
@@ -32,7 +34,7 @@ enum What {
         #[command(flatten)]
         timing: Timing,
     },
-    /// Whole steps of a scene: elastic spheres of 642 nodes in a periodic cube.
+    /// Elastic spheres of 642 nodes in a periodic cube: whole steps, and the parts of a step.
     Cells {
         /// Spheres.
         #[arg(long, default_value_t = 50)]
@@ -40,6 +42,15 @@ enum What {
         /// Nodes along each edge of the cube.
         #[arg(long, default_value_t = 64)]
         size: usize,
+        /// Points of the kernel: the trilinear one, Roma's, Peskin's.
+        #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(2..=4))]
+        points: u8,
+        /// Walls close the cube.
+        #[arg(long)]
+        closed: bool,
+        /// The spheres repel each other.
+        #[arg(long)]
+        contact: bool,
         #[command(flatten)]
         timing: Timing,
     },
@@ -103,18 +114,6 @@ struct FluidSpeed {
     gigabytes_per_second: f64,
 }
 
-#[derive(Serialize)]
-struct SceneSpeed {
-    size: usize,
-    count: usize,
-    threads: usize,
-    nodes: usize,
-    ms_per_step: f64,
-    fluid_ms_per_step: f64,
-    /// Microseconds per node and step, the bare fluid's time taken off.
-    us_per_node: f64,
-}
-
 fn main() -> Result<(), Fault> {
     match Options::parse().what {
         What::Fluid { size, timing } => {
@@ -131,16 +130,41 @@ fn main() -> Result<(), Fault> {
                 )
             })
         }
-        What::Cells { count, size, timing } => {
-            let speed = on_threads(timing.threads, || scene_speed(size, count, &timing))?;
-            show(&[speed], timing.json.as_deref(), |s: &SceneSpeed| {
-                let times = format!(
-                    "{:.3} ms a step, {:.3} of it bare fluid",
-                    s.ms_per_step, s.fluid_ms_per_step
-                );
+        What::Cells {
+            count,
+            size,
+            points,
+            closed,
+            contact,
+            timing,
+        } => {
+            let crowd = Crowd {
+                size,
+                count,
+                kernel: [Kernel::TwoPoint, Kernel::RomaThree, Kernel::PeskinFour][usize::from(points) - 2],
+                closed,
+                contact,
+            };
+            let speed = on_threads(timing.threads, || cells(&crowd, timing.threads, timing.seconds))?;
+            show(&[speed], timing.json.as_deref(), |s: &Cells| {
                 format!(
-                    "{} spheres, {} nodes, {} threads: {times}, {:.3} us a node",
-                    s.count, s.nodes, s.threads, s.us_per_node
+                    "{} spheres, {} nodes, {}, {} threads: {:.3} ms a step, best {:.3} (bare fluid {:.3}, {:.3}); {:.3} us a node, best {:.3}: forces {:.3}, place {:.3}, spread {:.3}, read {:.3}, interpolate {:.3}; in the step {:.3}",
+                    s.count,
+                    s.nodes,
+                    s.kernel,
+                    s.threads,
+                    s.ms_per_step,
+                    s.best_ms_per_step,
+                    s.fluid_ms_per_step,
+                    s.best_fluid_ms_per_step,
+                    s.us_per_node,
+                    s.best_us_per_node,
+                    s.forces,
+                    s.place,
+                    s.spread,
+                    s.read,
+                    s.interpolate,
+                    s.best_us_per_node_in_step
                 )
             })
         }
@@ -228,23 +252,6 @@ fn fluid_speed(case: &'static str, size: usize, timing: &Timing, drive: Drive) -
         mlups,
         best_mlups: rate(times[0]),
         gigabytes_per_second: 1e-3 * mlups * BYTES,
-    })
-}
-
-fn scene_speed(size: usize, count: usize, timing: &Timing) -> Result<SceneSpeed, Fault> {
-    let median = |times: &[f64]| 1e3 * times[times.len() / 2];
-    let fluid_ms_per_step = 0.5 * median(&fluid_times(size, timing, Drive::Force(Vec3::x()))?);
-    let mut scene = crowd(size, count)?;
-    let nodes = scene.positions().len();
-    let ms_per_step = median(&times(timing, || Ok(scene.step()?))?);
-    Ok(SceneSpeed {
-        size,
-        count,
-        threads: timing.threads,
-        nodes,
-        ms_per_step,
-        fluid_ms_per_step,
-        us_per_node: 1e3 * (ms_per_step - fluid_ms_per_step) / nodes.max(1) as f64,
     })
 }
 

@@ -1,5 +1,6 @@
 //! Area elasticity from an energy.
 
+use super::triangles::{self, Tensions};
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
@@ -42,20 +43,19 @@ impl LocalArea {
         };
         k * mesh.triangles().iter().map(medians).sum::<f64>() / (2.0 * mesh.area())
     }
-}
 
-/// Adds `-strength` times the gradient of a triangle's area: on each node along its height.
-#[inline]
-pub(super) fn add_tension(x: Soa3Ref<'_>, triangle: [u32; 3], force: &mut Soa3Mut<'_>, strength: impl Fn(f64) -> f64) {
-    let [a, b, c] = corners(x, triangle);
-    let normal = twice_area([a, b, c]);
-    let size = normal.norm();
-    let n = normal * (0.5 * strength(0.5 * size) / size);
-    // The gradient with respect to a node is n x (edge opposite to it)/2.
-    let (first, second) = ((c - b).cross(&n), (a - c).cross(&n));
-    force.add(triangle[0] as usize, first);
-    force.add(triangle[1] as usize, second);
-    force.add(triangle[2] as usize, -first - second);
+    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// What it asks of the triangles.
+    pub(super) fn tensions(&self) -> Tensions<'_> {
+        Tensions {
+            local: Some((self.modulus, &self.rest)),
+            global: 0.0,
+            pressure: 0.0,
+        }
+    }
 }
 
 impl Law for LocalArea {
@@ -64,9 +64,7 @@ impl Law for LocalArea {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for (&triangle, &rest) in self.triangles.iter().zip(&self.rest) {
-            add_tension(x, triangle, force, |area| self.modulus * (area / rest - 1.0));
-        }
+        triangles::add(x, &self.triangles, &self.tensions(), force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
@@ -96,6 +94,11 @@ impl GlobalArea {
             modulus: positive("the global area modulus", modulus)?,
         })
     }
+
+    /// Tension (N/m) of a cell of this area (m2).
+    pub(super) fn tension(&self, area: f64) -> f64 {
+        self.modulus * (area / self.rest - 1.0)
+    }
 }
 
 impl Law for GlobalArea {
@@ -104,10 +107,12 @@ impl Law for GlobalArea {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        let tension = self.modulus * (surface_area(x, &self.triangles) / self.rest - 1.0);
-        for &triangle in &self.triangles {
-            add_tension(x, triangle, force, |_| tension);
-        }
+        let tensions = Tensions {
+            local: None,
+            global: self.tension(triangles::measure(x, &self.triangles).0),
+            pressure: 0.0,
+        };
+        triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

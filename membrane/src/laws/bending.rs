@@ -1,9 +1,11 @@
 //! Bending from an energy.
 
 use super::Law;
+use super::batch::{BATCH, ZERO, at, atan2, cross, dot, gather, minus, numbers, scatter};
 use super::hinge::{Hinge, nodes};
 use crate::{MembraneError, Mesh, mesh::positive};
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
+use std::f64::consts::PI;
 
 /// Bending energy of the angle between neighbouring triangles: E = sum over edges of k/2 (theta - theta0)^2, k in J, with
 /// theta the angle inside the cell, pi when flat. F = -dE/dx; keeps force and torque.
@@ -44,16 +46,57 @@ impl Bending {
     }
 }
 
+/// All hinges, some at a time.
+struct Pass<'a, 'f> {
+    law: &'a Bending,
+    x: Soa3Ref<'a>,
+    force: &'a mut Soa3Mut<'f>,
+}
+
+impl Work for Pass<'_, '_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let modulus = self.law.modulus;
+        let (mut corners, mut forces) = ([ZERO; 4], [ZERO; 4]);
+        for (hinges, rest) in self.law.hinges.chunks(BATCH).zip(self.law.rest.chunks(BATCH)) {
+            gather(self.x, hinges, &mut corners);
+            let rest = numbers(rest);
+            for i in 0..BATCH {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|p| at(&corners[p], i));
+                let (edge, c, d) = (minus(b, a), minus(c, a), minus(d, a));
+                let (first, second) = (cross(edge, c), cross(d, edge));
+                let square = dot(edge, edge);
+                let length = square.sqrt();
+                // first x second = -edge (d . first).
+                let turn = atan2(-length * dot(d, first), dot(first, second));
+                // theta grows as an opposite node goes outwards, by one over its height; where the foot of the height
+                // lies along the edge tells how the edge's nodes share the reaction.
+                let strength = -modulus * ((PI - turn) - rest[i]) * length;
+                let u = strength / dot(first, first);
+                let v = strength / dot(second, second);
+                let (p, q) = (dot(c, edge) / square, dot(d, edge) / square);
+                for k in 0..3 {
+                    let (f, g) = (first[k] * u, second[k] * v);
+                    forces[0][k][i] = f * (p - 1.0) + g * (q - 1.0);
+                    forces[1][k][i] = -f * p - g * q;
+                    forces[2][k][i] = f;
+                    forces[3][k][i] = g;
+                }
+            }
+            scatter(&forces, hinges, self.force);
+        }
+    }
+}
+
 impl Law for Bending {
     fn name(&self) -> &str {
         "bending"
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for (&hinge, &rest) in self.hinges.iter().zip(&self.rest) {
-            let h = Hinge::at(x, hinge);
-            h.add_moment(x, hinge, -self.modulus * (h.angle() - rest), force);
-        }
+        on_widest(Pass { law: self, x, force });
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! Cortical tension.
 
 use super::Law;
-use super::area::add_tension;
+use super::triangles::{self, Tensions};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
 
@@ -37,9 +37,12 @@ impl Law for CorticalTension {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for &triangle in &self.triangles {
-            add_tension(x, triangle, force, |_| self.tension);
-        }
+        let tensions = Tensions {
+            local: None,
+            global: self.tension,
+            pressure: 0.0,
+        };
+        triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

@@ -1,6 +1,5 @@
 //! Helfrich bending with spontaneous curvature and area difference.
 
-use super::area::add_tension;
 use super::hinge::{Hinge, nodes};
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
@@ -120,6 +119,19 @@ fn finite(what: &'static str, value: f64) -> Result<f64, MembraneError> {
     }
 }
 
+/// Adds the forces of a tension (N/m) in a triangle: on each node along its height.
+#[inline]
+fn add_tension(x: Soa3Ref<'_>, triangle: [u32; 3], tension: f64, force: &mut Soa3Mut<'_>) {
+    let [a, b, c] = corners(x, triangle);
+    let normal = twice_area([a, b, c]);
+    let n = normal * (0.5 * tension / normal.norm());
+    // The gradient of the area with respect to a node is n x (edge opposite to it)/2.
+    let (first, second) = ((c - b).cross(&n), (a - c).cross(&n));
+    force.add(triangle[0] as usize, first);
+    force.add(triangle[1] as usize, second);
+    force.add(triangle[2] as usize, -first - second);
+}
+
 impl Law for Helfrich {
     fn name(&self) -> &str {
         "Helfrich bending"
@@ -150,7 +162,7 @@ impl Law for Helfrich {
         }
         for &t in &self.triangles {
             let tension = (area[t[0] as usize] + area[t[1] as usize] + area[t[2] as usize]) / 3.0;
-            add_tension(x, t, force, |_| tension);
+            add_tension(x, t, tension, force);
         }
         (self.curvature, self.area) = (curvature, area);
     }

@@ -1,8 +1,9 @@
 //! Neo-Hookean springs along the edges.
 
 use super::Law;
+use super::batch::{BATCH, ZERO, at, dot, gather, minus, numbers, scatter};
 use crate::{MembraneError, Mesh, mesh::positive};
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
 
 /// Nodes and weights of Gauss-Legendre quadrature of five points on [-1, 1].
 const GAUSS: [(f64, f64); 5] = [
@@ -50,21 +51,46 @@ fn kappa(l: f64) -> f64 {
     l.sqrt() * (1.0 + cube) / (1.0 + cube * l)
 }
 
+/// All springs, some at a time.
+struct Pass<'a, 'f> {
+    law: &'a Stretching,
+    x: Soa3Ref<'a>,
+    force: &'a mut Soa3Mut<'f>,
+}
+
+impl Work for Pass<'_, '_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let modulus = self.law.modulus;
+        let (mut ends, mut forces) = ([ZERO; 2], [ZERO; 2]);
+        for (springs, rest) in self.law.ends.chunks(BATCH).zip(self.law.rest.chunks(BATCH)) {
+            gather(self.x, springs, &mut ends);
+            let rest = numbers(rest);
+            for i in 0..BATCH {
+                let d = minus(at(&ends[1], i), at(&ends[0], i));
+                let length = dot(d, d).sqrt();
+                let l = length / rest[i];
+                let cube = l * l * l;
+                let f = modulus * l.sqrt() * (1.0 + cube) * (l - 1.0) / ((1.0 + cube * l) * length);
+                for a in 0..3 {
+                    forces[0][a][i] = d[a] * f;
+                    forces[1][a][i] = -(d[a] * f);
+                }
+            }
+            scatter(&forces, springs, self.force);
+        }
+    }
+}
+
 impl Law for Stretching {
     fn name(&self) -> &str {
         "stretching"
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for (&[a, b], &rest) in self.ends.iter().zip(&self.rest) {
-            let (a, b) = (a as usize, b as usize);
-            let d = x.get(b) - x.get(a);
-            let length = d.norm();
-            let l = length / rest;
-            let f = d * (self.modulus * kappa(l) * (l - 1.0) / length);
-            force.add(a, f);
-            force.add(b, -f);
-        }
+        on_widest(Pass { law: self, x, force });
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

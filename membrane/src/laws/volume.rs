@@ -1,6 +1,7 @@
 //! Volume elasticity.
 
-use super::{Law, corners, twice_area};
+use super::Law;
+use super::triangles::{self, Tensions};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
 
@@ -27,6 +28,11 @@ impl Volume {
             modulus: positive("the volume modulus", modulus)?,
         })
     }
+
+    /// Pressure (Pa) outwards in a cell of this volume (m3).
+    pub(super) fn pressure(&self, volume: f64) -> f64 {
+        self.modulus * (1.0 - volume / self.rest)
+    }
 }
 
 impl Law for Volume {
@@ -35,13 +41,12 @@ impl Law for Volume {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        let pressure = self.modulus * (1.0 - enclosed_volume(x, &self.triangles) / self.rest);
-        for &triangle in &self.triangles {
-            let f = twice_area(corners(x, triangle)) * (pressure / 6.0);
-            for node in triangle {
-                force.add(node as usize, f);
-            }
-        }
+        let tensions = Tensions {
+            local: None,
+            global: 0.0,
+            pressure: self.pressure(triangles::measure(x, &self.triangles).1),
+        };
+        triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
