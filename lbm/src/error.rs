@@ -1,5 +1,6 @@
 //! What a fluid cannot be built with.
 
+use crate::faces::FaceError;
 use lbm_ibm_coupling::FluidError;
 
 /// Parameters that make no fluid, or one that would fail.
@@ -56,6 +57,9 @@ pub enum LbmError {
         /// Superficial velocity that was asked for, m/s.
         velocity: f64,
     },
+    /// What stands at a face of the grid does not fit.
+    #[error(transparent)]
+    Face(#[from] FaceError),
     /// The processor lacks the instruction set that was asked for.
     #[error("this processor has no {wanted}: use InstructionSet::best()")]
     Unsupported {

@@ -3,6 +3,7 @@
 use crate::drive::{Balance, Drive};
 use crate::element::Precision;
 use crate::error::LbmError;
+use crate::faces::{Face, Faces, Side};
 use crate::interpolate::Exchanged;
 use crate::isa::InstructionSet;
 use crate::kernel::{Kernel, build};
@@ -66,6 +67,7 @@ pub struct Fluid {
     /// The walls, and the time at which they were taken.
     pub(crate) walls: (Option<Arc<dyn Boundary>>, f64),
     pub(crate) mask: Mask,
+    pub(crate) faces: Faces,
     pub(crate) links: Links,
     pub(crate) balances: Vec<Balance>,
     /// What thin walls have sent and got in the last step.
@@ -138,6 +140,7 @@ impl Fluid {
             isa,
             kernel,
             walls: (None, 0.0),
+            faces: Faces::default(),
             links: Links::default(),
             balances: Vec::new(),
             exchanged: Vec::new(),
@@ -225,6 +228,15 @@ impl Fluid {
         self
     }
 
+    /// What stands at a face of the grid; see [`Fluid::set_face`].
+    ///
+    /// # Errors
+    /// As for [`Fluid::set_face`].
+    pub fn with_face(mut self, axis: usize, side: Side, face: Face) -> Result<Self, LbmError> {
+        self.set_face(axis, side, face)?;
+        Ok(self)
+    }
+
     /// What drives the flow; see [`Fluid::set_drive`].
     ///
     /// # Errors
@@ -277,6 +289,34 @@ impl Fluid {
         }
         self.drive = drive;
         Ok(())
+    }
+
+    /// Changes what stands at the face at an end of an axis (0 to 2) that is not periodic, at any time; [`Face::Wall`] by
+    /// default. The flow goes on as it is. Links are found anew, so a face that varies in every step costs more than the step.
+    ///
+    /// # Errors
+    /// [`LbmError::NotFinite`] and [`LbmError::NotPositive`] for the numbers of a face; [`LbmError::Face`] for an axis that has no such face, a
+    /// velocity that is not finite or too fast, a flux through a face without fluid. That what goes in and out is not the
+    /// same, with no face to let the rest go, is an error of the next step, for more faces may be to come.
+    pub fn set_face(&mut self, axis: usize, side: Side, face: Face) -> Result<(), LbmError> {
+        Faces::check(&self.grid, axis, &face)?;
+        self.faces.0[axis][side as usize] = face;
+        self.mask.walled = self.faces.walled();
+        self.link();
+        match self.links.openings.fault_without_balance() {
+            Some(fault) => Err(fault.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// What stands at the face at an end of an axis (0 to 2); none if there is no such axis.
+    pub fn face(&self, axis: usize, side: Side) -> Option<&Face> {
+        self.faces.0.get(axis).map(|ends| &ends[side as usize])
+    }
+
+    /// What flowed into the box through the open face at an end of an axis (0 to 2) in the last step, m3/s.
+    pub fn inflow(&self, axis: usize, side: Side) -> f64 {
+        self.links.openings.mass((axis, side as usize)) * self.velocity_unit() * self.grid.spacing.powi(2)
     }
 
     /// What drives the flow.

@@ -5,6 +5,7 @@ use crate::fluid::Fluid;
 use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
 use crate::mask::Mask;
+use crate::open::Settings;
 use crate::parallel;
 use crate::step::Step;
 use lbm_ibm_coupling::{
@@ -39,7 +40,7 @@ impl Lattice for Fluid {
     fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError> {
         let shared = walls;
         let walls = shared.as_deref();
-        let mut mask = Mask::new(&self.grid, walls, t)?;
+        let mut mask = Mask::new(&self.grid, walls, t)?.with_walled(self.faces.walled());
         let filled_nodes = if self.fill_narrow {
             mask.fill_narrow(&self.grid, walls, t)?
         } else {
@@ -48,10 +49,13 @@ impl Lattice for Fluid {
         let narrowest = mask.narrowest(&self.grid, walls, t)?;
         self.walls = (shared, t);
         self.replace_mask(mask);
+        if let Some(fault) = self.links.openings.fault_without_balance() {
+            return Err(FluidError::Other(Box::new(fault)));
+        }
         Ok(WallReport {
             fluid_nodes: self.mask.fluid_nodes,
             solid_nodes: self.grid.len() - self.mask.fluid_nodes,
-            wall_links: self.links.walls.len(),
+            wall_links: self.links.walls.len() - self.links.openings.links.len(),
             narrowest,
             filled_nodes,
             uninterpolated_links: self.links.uninterpolated,
@@ -78,6 +82,7 @@ impl Lattice for Fluid {
         for force in &mut self.force {
             force[0] = force[1];
         }
+        self.read_faces()?;
         let step = Step {
             storage: &self.storage,
             links: &self.links,
@@ -93,6 +98,8 @@ impl Lattice for Fluid {
             // SAFETY: each row is worked on once, and `self` is exclusive.
             unsafe { step.rows(first, balances) }
         });
+        // SAFETY: all rows are done, and `self` is exclusive.
+        unsafe { self.links.openings.write(&self.storage, self.odd) };
         self.interpolate();
         self.odd = !self.odd;
         self.steps += 1;
@@ -154,6 +161,20 @@ impl Lattice for Fluid {
 }
 
 impl Fluid {
+    /// Reads what open faces need of the flow before a step.
+    fn read_faces(&mut self) -> Result<(), FluidError> {
+        if let Some(fault) = self.links.openings.fault {
+            return Err(FluidError::Other(Box::new(fault)));
+        }
+        let settings = Settings {
+            tau: self.tau,
+            inertia: self.inertia,
+            force: self.force.map(|f| f[0]),
+        };
+        self.links.openings.read(&self.storage, self.odd, settings);
+        Ok(())
+    }
+
     /// Sends populations back from walls that are not half way or thinner than a cell.
     fn interpolate(&mut self) {
         let Links { cuts, thin, .. } = &self.links;
@@ -228,6 +249,8 @@ impl Fluid {
             &self.exchanged,
             self.storage.velocities(),
         ));
+        let faces = self.links.openings.momentum(self.storage.velocities());
+        (0..3).for_each(|a| sum.walls[a] += faces[a]);
         self.bodies = sum.bodies;
         let Drive::Flux(target) = self.drive else { return Ok(()) };
         let (nodes, all) = (self.mask.fluid_nodes as f64, self.grid.len() as f64);

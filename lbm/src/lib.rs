@@ -11,9 +11,11 @@
 //! touched. Results do not depend on the number of threads, to the last bit.
 
 mod collide;
+mod developed;
 mod drive;
 mod element;
 mod error;
+mod faces;
 mod fluid;
 mod interpolate;
 mod isa;
@@ -23,6 +25,8 @@ mod links;
 mod loads;
 mod mask;
 mod model;
+mod open;
+mod open_links;
 mod parallel;
 mod real;
 mod relaxation;
@@ -38,6 +42,7 @@ mod trt;
 pub use drive::Drive;
 pub use element::Precision;
 pub use error::LbmError;
+pub use faces::{Face, FaceError, Side};
 pub use fluid::{Fluid, LEAST_TAU, Pace};
 pub use isa::InstructionSet;
 pub use model::Model;

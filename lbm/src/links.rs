@@ -10,7 +10,10 @@
 //! would share: exchanging what is in them is halfway bounce-back on both sides. Such links, and what interpolation adds
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
+use crate::developed::Developed;
+use crate::faces::Faces;
 use crate::mask::Mask;
+use crate::open::Openings;
 use crate::rule::{Shares, WallRule};
 use crate::stencil::{Velocities, opposite};
 use crate::storage::Storage;
@@ -18,7 +21,7 @@ use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
 
 /// Two places of the same population.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Link {
     /// Where the node finds it before an odd step, and leaves the outgoing one.
     pub ghost: usize,
@@ -89,6 +92,8 @@ pub struct Links {
     pub wraps_out: Vec<Link>,
     /// Ends of rows: ghosts used by this row, to copy after an odd step.
     pub wraps_in: Vec<Link>,
+    /// Links through open faces; each is among those into walls too.
+    pub openings: Openings,
     /// Links that are halfway for want of a node behind.
     pub uninterpolated: usize,
     /// Gaps without a node.
@@ -101,18 +106,28 @@ pub struct Maker<'a> {
     pub mask: &'a Mask,
     pub storage: &'a Storage,
     pub rule: WallRule,
+    pub faces: &'a Faces,
+    /// Density, kg/m3.
+    pub density: f64,
+    pub mach_limit: f64,
+    /// Profiles of the faces with a flux.
+    pub profiles: [[Option<Developed>; 2]; 3],
     /// Both ends of the links that pass thin walls, sorted.
-    severed: Vec<([usize; 3], usize)>,
+    pub severed: Vec<([usize; 3], usize)>,
 }
 
 impl<'a> Maker<'a> {
     /// For the walls as they stand.
-    pub fn new(surface: Surface<'a>, mask: &'a Mask, storage: &'a Storage, rule: WallRule) -> Self {
+    pub fn new(surface: Surface<'a>, mask: &'a Mask, storage: &'a Storage, rule: WallRule, faces: &'a Faces) -> Self {
         Self {
             surface,
             mask,
             storage,
             rule,
+            faces,
+            density: 0.0,
+            mach_limit: f64::INFINITY,
+            profiles: Default::default(),
             severed: Vec::new(),
         }
     }
@@ -131,6 +146,7 @@ impl<'a> Maker<'a> {
             }
         }
         self.severed.sort_unstable();
+        self.develop();
         let [_, ny, nz] = self.surface.grid.shape;
         for k in 0..nz {
             for j in 0..ny {
@@ -164,11 +180,13 @@ impl<'a> Maker<'a> {
                 links.thin.push(sides);
             }
         }
+        self.settle_fluxes(&mut links);
         links.balance_pushes(self.rule, self.storage.velocities());
         links
     }
 
-    fn c(&self, i: usize) -> [isize; 3] {
+    /// Lattice velocity `i`.
+    pub fn c(&self, i: usize) -> [isize; 3] {
         self.storage.velocities().c(i).map(|c| c as isize)
     }
 
@@ -186,14 +204,14 @@ impl<'a> Maker<'a> {
             let ghost = self.storage.index(opposite(i), source, sj, sk);
             if solid {
                 let home = self.storage.index(i, x, j, k);
+                if self.add_open(node, i, Link { ghost, home }, links) {
+                    links.add_wall(Link { ghost, home }, i, 0.0, self.fraction(0.5));
+                    continue;
+                }
                 let meeting = self.meeting(node, i);
                 let cut = self.cut(node, i, Link { ghost, home }, meeting, links);
-                links.walls.push(cut.link);
-                links.directions.push(i as u8);
-                links.pushes.push(cut.shares.push * meeting.push);
-                if self.rule != WallRule::Halfway {
-                    links.fractions.push(meeting.fraction);
-                }
+                let push = cut.shares.push * meeting.push;
+                links.add_wall(cut.link, i, push, self.fraction(meeting.fraction));
                 if cut.shares != Shares::HALFWAY {
                     links.swell += cut.swell;
                     links.cuts.push(cut);
@@ -205,10 +223,18 @@ impl<'a> Maker<'a> {
         }
     }
 
+    /// A fraction, where fractions are kept.
+    fn fraction(&self, fraction: f64) -> Option<f64> {
+        (self.rule != WallRule::Halfway).then_some(fraction)
+    }
+
     fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
         match self.rule {
             WallRule::Halfway => self.surface.halfway(node, i),
-            _ => self.surface.meeting(node, i),
+            _ => match self.mirrored(node, i) {
+                Some(mirrored) => self.surface.mirrored_meeting(node, i, mirrored),
+                None => self.surface.meeting(node, i),
+            },
         }
     }
 
@@ -219,7 +245,9 @@ impl<'a> Maker<'a> {
         let o = opposite(i);
         let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
         let severed = self.severed.binary_search(&(node, o)).is_ok();
-        let shares = self.rule.shares(meeting.fraction, !solid && !severed);
+        // Through an open face something arrives too.
+        let arrives = !solid || self.is_open(node, o);
+        let shares = self.rule.shares(meeting.fraction, arrives && !severed);
         // The places of a thin wall behind are exchanged, perhaps before they are read.
         let shares = shares.filter(|s| !severed || *s == Shares::HALFWAY);
         links.uninterpolated += usize::from(shares.is_none());
@@ -291,6 +319,13 @@ impl Links {
             self.wraps_out.len(),
             self.wraps_in.len(),
         ]
+    }
+
+    fn add_wall(&mut self, link: Link, direction: usize, push: f64, fraction: Option<f64>) {
+        self.walls.push(link);
+        self.directions.push(direction as u8);
+        self.pushes.push(push);
+        self.fractions.extend(fraction);
     }
 
     fn add_runs(&mut self, solid: &[bool]) {

@@ -25,7 +25,12 @@ impl Fluid {
             velocity_unit: self.velocity_unit(),
             velocities: self.storage.velocities(),
         };
-        self.links = Maker::new(surface, &self.mask, &self.storage, self.wall_rule).links();
+        let maker = Maker {
+            density: self.density,
+            mach_limit: self.mach_limit,
+            ..Maker::new(surface, &self.mask, &self.storage, self.wall_rule, &self.faces)
+        };
+        self.links = maker.links();
         self.balances = vec![Default::default(); self.links.rows.len()];
         self.exchanged = vec![Default::default(); self.links.thin.len()];
         self.owed = [0.0; 2];
