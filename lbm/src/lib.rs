@@ -37,6 +37,7 @@ mod stencil;
 mod step;
 mod storage;
 mod surface;
+mod sweep;
 mod trt;
 
 pub use drive::Drive;

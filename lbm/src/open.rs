@@ -8,7 +8,7 @@
 use crate::faces::FaceError;
 use crate::links::Link;
 use crate::parallel;
-use crate::stencil::{MAX_Q, Velocities};
+use crate::stencil::{MAX_Q, Velocities, opposite};
 use crate::storage::Storage;
 use std::collections::HashMap;
 
@@ -54,7 +54,8 @@ pub struct Open {
 /// A node whose populations are read before a step.
 #[derive(Clone, Debug)]
 struct Sample {
-    node: [usize; 3],
+    /// Where its populations stand before an even and an odd step.
+    places: [[usize; MAX_Q]; 2],
     /// The convective face that it is counted to.
     face: Option<usize>,
     /// Density less one.
@@ -67,12 +68,11 @@ impl Sample {
     /// Reads the node, `half` being half the force on it.
     fn read(&mut self, storage: &Storage, odd: bool, tau: f64, inertia: bool, half: [f64; 3]) {
         let velocities = storage.velocities();
-        let [x, j, k] = self.node;
-        let places = storage.places(j, k, odd);
+        let places = &self.places[usize::from(odd)];
         let mut f = [0.0; MAX_Q];
         let (mut density, mut u) = (0.0, half);
         for i in 0..velocities.q() {
-            f[i] = storage.get(places[i].wrapping_add(x));
+            f[i] = storage.get(places[i]);
             density += f[i];
             for (u, c) in u.iter_mut().zip(velocities.c(i)) {
                 *u += f64::from(c) * f[i];
@@ -130,11 +130,19 @@ impl Openings {
     }
 
     /// The number of the sample of a node, for a pressure face, or for the convective face of that number.
-    pub fn sample(&mut self, node: [usize; 3], face: Option<usize>) -> usize {
+    pub fn sample(&mut self, node: [usize; 3], face: Option<usize>, storage: &Storage) -> usize {
         let samples = &mut self.samples;
+        let [x, j, k] = node.map(|n| n as isize);
+        let mut places = [[0; MAX_Q]; 2];
         *self.known.entry((node, face)).or_insert_with(|| {
+            for i in 0..storage.velocities().q() {
+                let [cx, cy, cz] = storage.velocities().c(i).map(|c| c as isize);
+                let [sj, sk] = storage.wrapped(j - cy, k - cz);
+                places[0][i] = storage.index(i, x, j, k);
+                places[1][i] = storage.index(opposite(i), x - cx, sj, sk);
+            }
             samples.push(Sample {
-                node,
+                places,
                 face,
                 density: 0.0,
                 terms: [0.0; MAX_Q],

@@ -159,7 +159,8 @@ impl Maker<'_> {
             }
             Face::Pressure(pressure) => {
                 let unit = self.density * self.surface.velocity_unit.powi(2) / 3.0;
-                let samples = [(node, i), (other, from)].map(|(node, i)| (links.openings.sample(node, None), i));
+                let samples =
+                    [(node, i), (other, from)].map(|(node, i)| (links.openings.sample(node, None, self.storage), i));
                 Kind::Pressure {
                     rest: 2.0 * weight * pressure / unit,
                     samples,
@@ -167,7 +168,7 @@ impl Maker<'_> {
             }
             Face::Convective(speed) => {
                 let face = links.openings.convective((axis, side as usize));
-                links.openings.sample(node, Some(face));
+                links.openings.sample(node, Some(face), self.storage);
                 let [x, j, k] = other.map(|n| n as isize);
                 let [cx, cy, cz] = self.c(from);
                 let [aj, ak] = self.storage.wrapped(j + cy, k + cz);
