@@ -6,6 +6,7 @@ pub mod chart;
 pub mod reference;
 pub mod scenes;
 pub mod speed;
+pub mod stability;
 pub mod validate;
 
 /// Any error; it may cross threads.

@@ -120,6 +120,58 @@ where
     }
 }
 
+/// The same in as little code as can be: one loop for whole vectors and ends, with a force on each node (zero where there is
+/// none) and the sum of the momentum always.
+///
+/// # Safety
+/// As for [`span`]; forces are null or valid for each node, and for [`MAX_LANES`] more.
+#[inline(always)]
+pub unsafe fn lean_span<M, S, V, const Q: usize>(model: &M, s: &Span) -> [f64; 3]
+where
+    M: Model<Q>,
+    S: Element,
+    V: Stored<S>,
+{
+    // SAFETY: the contract of this function is that of every call below; parts are no longer than a vector.
+    unsafe {
+        let places = s.places::<S, Q>(s.places, s.start);
+        let next = s.places::<S, Q>(s.next.0, s.next.1);
+        let uniform = s.uniform.map(|f| [f; MAX_LANES]);
+        let (force, stride) = if s.force[0].is_null() {
+            (uniform.each_ref().map(|f| f.as_ptr()), 0)
+        } else {
+            (s.force, 1)
+        };
+        let mut sum = [V::splat(0.0); 3];
+        let head = Ends::new::<V>(s).head;
+        let mut x = 0;
+        while x < s.len {
+            let n = if x < head { head } else { V::LANES.min(s.len - x) };
+            let whole = n == V::LANES;
+            let mut f: [V; Q] = if whole {
+                std::array::from_fn(|i| V::load(places[i].wrapping_add(x)))
+            } else {
+                std::array::from_fn(|i| V::load_first(places[i].wrapping_add(x), n))
+            };
+            if whole && ((x - head) * size_of::<S>()).is_multiple_of(LINE) {
+                fetch_ahead(s.len, &places, &next, x);
+            }
+            let momentum = model.collide::<V, true>(&mut f, force.map(|p| V::load_wide(p.add(x * stride))));
+            sum = std::array::from_fn(|a| sum[a] + momentum[a]);
+            for i in 0..Q {
+                let place = places[opposite(i)].wrapping_add(x);
+                if whole {
+                    f[i].store(place);
+                } else {
+                    f[i].store_first(place, n);
+                }
+            }
+            x += n;
+        }
+        sum.map(|v| v.sum())
+    }
+}
+
 /// What is left of a span before and after its whole vectors, which start where a cache line does.
 struct Ends {
     head: usize,

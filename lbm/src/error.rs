@@ -47,6 +47,33 @@ pub enum LbmError {
         /// The time step at which tau is what is accepted, s.
         time_step: f64,
     },
+    /// A relaxation rate with which populations grow, or do not relax at all.
+    #[error("the {name} relaxation rate is {value} per step, it must be above 0 and below 2")]
+    Rate {
+        /// Which one.
+        name: &'static str,
+        /// Its value, per step.
+        value: f64,
+    },
+    /// A collision that is not written for the lattice velocities.
+    #[error("the collision {collision} is not made for {set}: take D3Q19, or central moments, which can do all")]
+    NotOnThisSet {
+        /// The collision.
+        collision: &'static str,
+        /// The lattice velocities.
+        set: String,
+    },
+    /// Lattice velocities in a plane on a grid that is not one.
+    #[error(
+        "these lattice velocities have no motion along z, and the grid has {nodes} nodes there{}: use a grid one node thick that is periodic along z",
+        if *periodic { "" } else { " and is closed" }
+    )]
+    NotPlane {
+        /// Nodes along z.
+        nodes: usize,
+        /// Whether the grid repeats along z.
+        periodic: bool,
+    },
     /// Flux control along an axis that does not repeat.
     #[error(
         "a flux of {velocity} m/s cannot pass the closed faces of axis {axis}: make the axis periodic or drive another one"

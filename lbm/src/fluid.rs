@@ -6,12 +6,13 @@ use crate::error::LbmError;
 use crate::faces::{Face, Faces, Side};
 use crate::interpolate::Exchanged;
 use crate::isa::InstructionSet;
-use crate::kernel::{Kernel, build};
+use crate::kernel::{Kernel, build_lean};
 use crate::links::Links;
 use crate::mask::Mask;
 use crate::model::Model;
-use crate::relaxation::Collision;
+use crate::relaxation::{Collision, VelocitySet};
 use crate::rule::WallRule;
+use crate::stencil::Velocities;
 use crate::storage::Storage;
 use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
 use std::sync::Arc;
@@ -56,6 +57,7 @@ pub struct Fluid {
     pub(crate) tau: f64,
     /// None where the model is the user's.
     pub(crate) collision: Option<Collision>,
+    pub(crate) velocity_set: VelocitySet,
     pub(crate) inertia: bool,
     pub(crate) fill_narrow: bool,
     pub(crate) wall_rule: WallRule,
@@ -119,7 +121,7 @@ impl Fluid {
             });
         }
         let (isa, collision, precision) = (InstructionSet::best(), Collision::default(), Precision::default());
-        let kernel = collision.kernel(tau, true, isa, precision);
+        let kernel = collision.kernel(VelocitySet::default(), tau, true, isa, precision);
         if !Storage::fits(grid.shape, kernel.velocities()) {
             return Err(LbmError::GridTooLarge { shape: grid.shape });
         }
@@ -132,6 +134,7 @@ impl Fluid {
             time_step,
             tau,
             collision: Some(collision),
+            velocity_set: VelocitySet::default(),
             inertia: true,
             fill_narrow: false,
             wall_rule: WallRule::default(),
@@ -163,24 +166,55 @@ impl Fluid {
     /// Another collision than TRT with magic number 3/16.
     ///
     /// # Errors
-    /// [`LbmError::NotPositive`] for the magic number.
+    /// [`LbmError::NotPositive`] for the magic number, [`LbmError::Rate`] for another rate, [`LbmError::NotOnThisSet`].
     pub fn with_collision(mut self, collision: Collision) -> Result<Self, LbmError> {
-        positive("magic number", collision.magic(self.tau))?;
+        collision.check(self.tau, self.velocity_set)?;
         self.collision = Some(collision);
         self.rebuild();
         Ok(self)
     }
 
-    /// A collision model of one's own. Its viscosity should be [`Fluid::lattice_viscosity`]; what depends on the collision
-    /// beyond that, such as [`Fluid::wall_slip`], is then unknown, and [`Fluid::with_inertia`] changes nothing.
+    /// Other lattice velocities than [`VelocitySet::D3Q19`]. A fluid in motion comes to rest.
     ///
     /// # Errors
-    /// [`LbmError::GridTooLarge`].
-    pub fn with_model<M: Model<Q>, const Q: usize>(mut self, model: M) -> Result<Self, LbmError> {
-        let kernel = build(model, self.isa, self.storage.precision());
-        if !Storage::fits(self.grid.shape, kernel.velocities()) {
+    /// [`LbmError::NotOnThisSet`], [`LbmError::NotPlane`], [`LbmError::GridTooLarge`].
+    pub fn with_velocity_set(mut self, set: VelocitySet) -> Result<Self, LbmError> {
+        let collision = self.collision.unwrap_or_default();
+        collision.check(self.tau, set)?;
+        let kernel = collision.kernel(set, self.tau, self.inertia, self.isa, self.storage.precision());
+        self.admit(kernel.velocities())?;
+        (self.collision, self.velocity_set) = (Some(collision), set);
+        self.set_kernel(kernel, self.storage.precision());
+        Ok(self)
+    }
+
+    /// Whether the grid suits lattice velocities.
+    fn admit(&self, velocities: Velocities) -> Result<(), LbmError> {
+        let (nodes, periodic) = (self.grid.shape[2], self.grid.periodic[2]);
+        let plane = (0..velocities.q()).all(|i| velocities.c(i)[2] == 0);
+        if plane && (nodes != 1 || !periodic) {
+            return Err(LbmError::NotPlane { nodes, periodic });
+        }
+        if !Storage::fits(self.grid.shape, velocities) {
             return Err(LbmError::GridTooLarge { shape: self.grid.shape });
         }
+        Ok(())
+    }
+
+    /// The lattice velocities; none where the model is one's own.
+    pub fn velocity_set(&self) -> Option<VelocitySet> {
+        self.collision.map(|_| self.velocity_set)
+    }
+
+    /// A collision model of one's own. Its viscosity should be [`Fluid::lattice_viscosity`]; what depends on the collision
+    /// beyond that, such as [`Fluid::wall_slip`], is then unknown, and [`Fluid::with_inertia`] changes nothing.
+    /// [`Fluid::with_velocity_set`] goes back to a built-in one.
+    ///
+    /// # Errors
+    /// [`LbmError::GridTooLarge`], [`LbmError::NotPlane`].
+    pub fn with_model<M: Model<Q>, const Q: usize>(mut self, model: M) -> Result<Self, LbmError> {
+        let kernel = build_lean(model, self.isa, self.storage.precision());
+        self.admit(kernel.velocities())?;
         self.collision = None;
         self.set_kernel(kernel, self.storage.precision());
         Ok(self)
@@ -202,7 +236,7 @@ impl Fluid {
     fn rebuild(&mut self) {
         if let Some(collision) = self.collision {
             let precision = self.storage.precision();
-            let kernel = collision.kernel(self.tau, self.inertia, self.isa, precision);
+            let kernel = collision.kernel(self.velocity_set, self.tau, self.inertia, self.isa, precision);
             self.set_kernel(kernel, precision);
         }
     }

@@ -1,6 +1,6 @@
 //! A collision model, compiled for one instruction set and one precision, behind one object.
 
-use crate::collide::{FREE, PER_NODE, Span, UNIFORM, read, span};
+use crate::collide::{FREE, PER_NODE, Span, UNIFORM, lean_span, read, span};
 use crate::element::{Element, Half, Precision};
 use crate::isa::InstructionSet;
 use crate::model::Model;
@@ -13,7 +13,7 @@ use std::marker::PhantomData;
 /// Collides and reads spans.
 pub trait Kernel: Send + Sync {
     /// Collides a span under a kind of force ([`FREE`], [`UNIFORM`], [`PER_NODE`]); returns the sum of the momentum before
-    /// collision (lattice units) where `tally` is set, else zero.
+    /// collision (lattice units) where `tally` is set, else anything.
     ///
     /// # Safety
     /// As for [`span`], less the instruction set. The numbers have the precision of this kernel.
@@ -32,34 +32,48 @@ pub trait Kernel: Send + Sync {
     fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel>;
 }
 
-/// The kernel of a model. The instruction set must be available.
+/// The kernel of a model, a function for each kind of force. The instruction set must be available.
 pub fn build<M: Model<Q>, const Q: usize>(model: M, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
+    compiled::<M, false, Q>(model, isa, precision)
+}
+
+/// The kernel of a model, one function for all kinds of force: a tenth of the code, for what is seldom used. Where bandwidth binds it
+/// is as fast. The instruction set must be available.
+pub fn build_lean<M: Model<Q>, const Q: usize>(model: M, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
+    compiled::<M, true, Q>(model, isa, precision)
+}
+
+fn compiled<M: Model<Q>, const LEAN: bool, const Q: usize>(
+    model: M,
+    isa: InstructionSet,
+    precision: Precision,
+) -> Box<dyn Kernel> {
     assert!(isa.is_available());
     match (isa, precision) {
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx512, Precision::F64) => Built::<M, f64, F64x8, Avx512, Q>::boxed(model),
+        (InstructionSet::Avx512, Precision::F64) => Built::<M, f64, F64x8, Avx512, LEAN, Q>::boxed(model),
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx512, Precision::F32) => Built::<M, f32, F32x16, Avx512, Q>::boxed(model),
+        (InstructionSet::Avx512, Precision::F32) => Built::<M, f32, F32x16, Avx512, LEAN, Q>::boxed(model),
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx512, Precision::F16) => Built::<M, Half, F32x16, Avx512, Q>::boxed(model),
+        (InstructionSet::Avx512, Precision::F16) => Built::<M, Half, F32x16, Avx512, LEAN, Q>::boxed(model),
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx2, Precision::F64) => Built::<M, f64, F64x4, Avx2, Q>::boxed(model),
+        (InstructionSet::Avx2, Precision::F64) => Built::<M, f64, F64x4, Avx2, LEAN, Q>::boxed(model),
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx2, Precision::F32) => Built::<M, f32, F32x8, Avx2, Q>::boxed(model),
+        (InstructionSet::Avx2, Precision::F32) => Built::<M, f32, F32x8, Avx2, LEAN, Q>::boxed(model),
         #[cfg(target_arch = "x86_64")]
-        (InstructionSet::Avx2, Precision::F16) => Built::<M, Half, F32x8, Avx2, Q>::boxed(model),
-        (_, Precision::F64) => Built::<M, f64, Lanes<f64, 2>, Plain, Q>::boxed(model),
-        (_, Precision::F32) => Built::<M, f32, Lanes<f32, 4>, Plain, Q>::boxed(model),
-        (_, Precision::F16) => Built::<M, Half, Lanes<f32, 4>, Plain, Q>::boxed(model),
+        (InstructionSet::Avx2, Precision::F16) => Built::<M, Half, F32x8, Avx2, LEAN, Q>::boxed(model),
+        (_, Precision::F64) => Built::<M, f64, Lanes<f64, 2>, Plain, LEAN, Q>::boxed(model),
+        (_, Precision::F32) => Built::<M, f32, Lanes<f32, 4>, Plain, LEAN, Q>::boxed(model),
+        (_, Precision::F16) => Built::<M, Half, Lanes<f32, 4>, Plain, LEAN, Q>::boxed(model),
     }
 }
 
-struct Built<M, S, V, I, const Q: usize> {
+struct Built<M, S, V, I, const LEAN: bool, const Q: usize> {
     model: M,
     kind: PhantomData<(S, V, I)>,
 }
 
-impl<M, S, V, I, const Q: usize> Built<M, S, V, I, Q>
+impl<M, S, V, I, const LEAN: bool, const Q: usize> Built<M, S, V, I, LEAN, Q>
 where
     M: Model<Q>,
     S: Element,
@@ -74,7 +88,7 @@ where
     }
 }
 
-impl<M, S, V, I, const Q: usize> Kernel for Built<M, S, V, I, Q>
+impl<M, S, V, I, const LEAN: bool, const Q: usize> Kernel for Built<M, S, V, I, LEAN, Q>
 where
     M: Model<Q>,
     S: Element,
@@ -84,6 +98,10 @@ where
     unsafe fn collide(&self, span: &Span, force: u8, tally: bool) -> [f64; 3] {
         // SAFETY: the instruction set was asked for in `build`; the rest is the caller's contract.
         unsafe {
+            // Only the functions of one branch are compiled.
+            if LEAN {
+                return I::lean_span::<M, S, V, Q>(&self.model, span);
+            }
             match (force, tally) {
                 (FREE, false) => I::span::<M, S, V, Q, FREE, false>(&self.model, span),
                 (PER_NODE, false) => I::span::<M, S, V, Q, PER_NODE, false>(&self.model, span),
@@ -104,7 +122,7 @@ where
     }
 
     fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
-        build(self.model.clone(), isa, precision)
+        compiled::<M, LEAN, Q>(self.model.clone(), isa, precision)
     }
 }
 
@@ -116,6 +134,9 @@ trait Enable: Send + Sync + 'static {
         model: &M,
         s: &Span,
     ) -> [f64; 3];
+    /// # Safety
+    /// As for [`lean_span`].
+    unsafe fn lean_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) -> [f64; 3];
     /// # Safety
     /// As for [`read`].
     unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]);
@@ -148,6 +169,17 @@ macro_rules! enable {
                 }
                 // SAFETY: the caller's contract.
                 unsafe { compiled::<M, S, V, Q, FORCE, TALLY>(model, s) }
+            }
+
+            #[inline]
+            unsafe fn lean_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) -> [f64; 3] {
+                $(#[target_feature(enable = $features)])?
+                unsafe fn compiled<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) -> [f64; 3] {
+                    // SAFETY: the instructions are enabled, the rest is the caller's contract.
+                    unsafe { lean_span::<M, S, V, Q>(model, s) }
+                }
+                // SAFETY: the caller's contract.
+                unsafe { compiled::<M, S, V, Q>(model, s) }
             }
 
             #[inline]

@@ -1,7 +1,8 @@
-//! The lattice-Boltzmann fluid of lbm-ibm: D3Q19, f64, in place, vectorised and threaded.
+//! The lattice-Boltzmann fluid of lbm-ibm: in place, vectorised and threaded.
 //!
-//! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT or BGK
-//! ([`Collision`]) with the force of Guo, Zheng and Shi (2002); walls are taken from any [`lbm_ibm_coupling::Boundary`], at
+//! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT with magic number 3/16,
+//! another one of [`Collision`], or a [`Model`] of one's own, with the force of Guo, Zheng and Shi (2002), on D3Q19, D3Q27 or
+//! D2Q9 ([`VelocitySet`]); walls are taken from any [`lbm_ibm_coupling::Boundary`], at
 //! rest or sliding on themselves, half way between nodes or where they are ([`WallRule`]); a force density or a flux
 //! ([`Drive`]) drives it.
 //!
@@ -25,8 +26,10 @@ mod links;
 mod loads;
 mod mask;
 mod model;
+pub mod models;
 mod open;
 mod open_links;
+
 mod parallel;
 mod real;
 mod relaxation;
@@ -48,6 +51,6 @@ pub use fluid::{Fluid, LEAST_TAU, Pace};
 pub use isa::InstructionSet;
 pub use model::Model;
 pub use real::Real;
-pub use relaxation::Collision;
+pub use relaxation::{Collision, OddRate, VelocitySet};
 pub use rule::WallRule;
-pub use stencil::{D3Q19, Stencil};
+pub use stencil::{D2Q9, D3Q19, D3Q27, Stencil};

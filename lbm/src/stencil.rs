@@ -57,6 +57,67 @@ impl Stencil<19> for D3Q19 {
     };
 }
 
+/// Twenty-seven velocities in space: all with components -1, 0 and 1. Isotropic to fifth order, as [`D3Q19`] is, but its
+/// weights are a product of one for each axis, so that no moment of a Maxwellian up to second order in each component is lost.
+#[derive(Clone, Copy, Debug)]
+pub struct D3Q27;
+
+impl Stencil<27> for D3Q27 {
+    const C: [[i32; 3]; 27] = {
+        let mut c = [[0; 3]; 27];
+        let mut i = 0;
+        while i < 19 {
+            c[i] = D3Q19::C[i];
+            i += 1;
+        }
+        let corners = [[1, 1, 1], [1, 1, -1], [1, -1, 1], [1, -1, -1]];
+        let mut p = 0;
+        while p < 4 {
+            let [x, y, z] = corners[p];
+            c[19 + 2 * p] = [x, y, z];
+            c[20 + 2 * p] = [-x, -y, -z];
+            p += 1;
+        }
+        c
+    };
+    const W: [f64; 27] = product_weights(&Self::C, 3);
+}
+
+/// Nine velocities in the plane of x and y, for a grid one node thick that repeats in z. Motion and force along z are none of
+/// its business: they stay zero.
+#[derive(Clone, Copy, Debug)]
+pub struct D2Q9;
+
+impl Stencil<9> for D2Q9 {
+    const C: [[i32; 3]; 9] = [
+        [0, 0, 0],
+        [1, 0, 0],
+        [-1, 0, 0],
+        [0, 1, 0],
+        [0, -1, 0],
+        [1, 1, 0],
+        [-1, -1, 0],
+        [1, -1, 0],
+        [-1, 1, 0],
+    ];
+    const W: [f64; 9] = product_weights(&Self::C, 2);
+}
+
+/// For each of the first axes 2/3 at rest and 1/6 in motion.
+const fn product_weights<const Q: usize>(c: &[[i32; 3]; Q], axes: usize) -> [f64; Q] {
+    let mut w = [1.0; Q];
+    let mut i = 0;
+    while i < Q {
+        let mut a = 0;
+        while a < axes {
+            w[i] *= if c[i][a] == 0 { 2.0 / 3.0 } else { 1.0 / 6.0 };
+            a += 1;
+        }
+        i += 1;
+    }
+    w
+}
+
 /// A stencil at run time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Velocities {

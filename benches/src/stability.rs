@@ -1,0 +1,238 @@
+//! Linear stability of a uniform flow (von Neumann): how much the waves of a collision grow in a step.
+//!
+//! A wave `F exp(i k.x)` on a uniform flow becomes `A F exp(i k.x)` in a step, with `A = diag(exp(-i k.c_i)) J` and `J` the
+//! derivative of the collision at the flow's equilibrium, taken from the collision itself by differences. The flow is stable as
+//! long as no eigenvalue of `A` is greater than 1 in modulus for any `k`.
+
+pub mod cases;
+pub mod eigen;
+
+use lbm_ibm::coupling::nalgebra::Complex;
+use lbm_ibm::lbm::{Model, Stencil};
+use std::f64::consts::PI;
+
+/// Growth per step that counts as none.
+pub const TOLERANCE: f64 = 1e-7;
+/// Greatest velocity that is tried, lattice units.
+pub const FASTEST: f64 = 0.6;
+/// Step of the velocity in a scan, before the limit is bracketed.
+const STRIDE: f64 = 0.02;
+/// How closely the limit is found.
+const CLOSE: f64 = 1e-4;
+
+/// A flow's directions, unit vectors: along an axis, a face diagonal and a space diagonal.
+pub const FLOWS: [[f64; 3]; 3] = {
+    let (two, three) = (std::f64::consts::FRAC_1_SQRT_2, 0.577_350_269_189_625_8);
+    [[1.0, 0.0, 0.0], [two, two, 0.0], [three, three, three]]
+};
+
+/// A collision about a uniform flow.
+pub struct Linear {
+    c: Vec<[i32; 3]>,
+    /// Row after row.
+    derivative: Vec<f64>,
+    /// Equilibrium populations less their weights.
+    pub equilibrium: Vec<f64>,
+}
+
+impl Linear {
+    /// A model about density 1 and velocity `u` (lattice units).
+    pub fn new<M: Model<Q>, const Q: usize>(model: &M, u: [f64; 3]) -> Self {
+        let collide = |mut f: [f64; Q]| {
+            model.collide::<f64, false>(&mut f, [0.0; 3]);
+            f
+        };
+        let equilibrium = uniform::<M, Q>(model, u);
+        let mut derivative = vec![0.0; Q * Q];
+        // Collisions are polynomials: central differences leave a third of the third derivative times the square of this.
+        let step = 1e-5;
+        for j in 0..Q {
+            let moved = |by: f64| {
+                let mut f = equilibrium;
+                f[j] += by;
+                collide(f)
+            };
+            let (high, low) = (moved(step), moved(-step));
+            for i in 0..Q {
+                derivative[i * Q + j] = (high[i] - low[i]) / (2.0 * step);
+            }
+        }
+        Self {
+            c: M::Stencil::C.to_vec(),
+            derivative,
+            equilibrium: equilibrium.to_vec(),
+        }
+    }
+
+    /// Greatest growth of a wave in a step; none if the eigenvalues cannot be had.
+    pub fn growth(&self, k: [f64; 3]) -> Option<f64> {
+        let q = self.c.len();
+        let mut a = Vec::with_capacity(q * q);
+        for (c, row) in self.c.iter().zip(self.derivative.chunks_exact(q)) {
+            let angle = -(0..3).map(|d| f64::from(c[d]) * k[d]).sum::<f64>();
+            let turn = Complex::from_polar(1.0, angle);
+            a.extend(row.iter().map(|v| turn * v));
+        }
+        eigen::spectral_radius(&mut a, q)
+    }
+}
+
+/// The populations that a collision leaves alone in a uniform flow, less their weights.
+fn uniform<M: Model<Q>, const Q: usize>(model: &M, u: [f64; 3]) -> [f64; Q] {
+    let mut f: [f64; Q] = std::array::from_fn(|i| {
+        let cu: f64 = (0..3).map(|a| f64::from(M::Stencil::C[i][a]) * u[a]).sum();
+        let uu: f64 = u.iter().map(|v| v * v).sum();
+        M::Stencil::W[i] * (3.0 * cu + 4.5 * cu * cu - 1.5 * uu)
+    });
+    for _ in 0..20_000 {
+        let before = f;
+        model.collide::<f64, false>(&mut f, [0.0; 3]);
+        if (0..Q).all(|i| (f[i] - before[i]).abs() < 1e-16) {
+            break;
+        }
+    }
+    f
+}
+
+/// The wave vectors of a scan, for a flow along one of [`FLOWS`]: 22 magnitudes along every direction with components to 2, of
+/// those that are mirror images of each other about the flow one.
+pub fn waves(flow: usize) -> Vec<[f64; 3]> {
+    let mut directions: Vec<[i32; 3]> = Vec::new();
+    for x in -2..=2_i32 {
+        for y in -2..=2_i32 {
+            for z in -2..=2_i32 {
+                let v = [x, y, z];
+                let even = v.iter().all(|c| c % 2 == 0);
+                if !even {
+                    let image = representative(v, flow);
+                    if !directions.contains(&image) {
+                        directions.push(image);
+                    }
+                }
+            }
+        }
+    }
+    let magnitudes = (1..=22).map(|m| PI * f64::from(m) / 22.0);
+    magnitudes
+        .flat_map(|m| {
+            directions.iter().map(move |d| {
+                let longest = d.iter().map(|c| c.abs()).max().unwrap_or(1);
+                d.map(|c| m * f64::from(c) / f64::from(longest))
+            })
+        })
+        .collect()
+}
+
+/// The greatest of the images of a vector under the symmetries of a flow, and under reversal, which has the complex conjugate
+/// for its growth.
+fn representative(v: [i32; 3], flow: usize) -> [i32; 3] {
+    let [x, y, z] = v;
+    let images = |[x, y, z]: [i32; 3]| -> Vec<[i32; 3]> {
+        match flow {
+            0 => [[y, z], [z, y]].iter().map(|[y, z]| [x, y.abs(), z.abs()]).collect(),
+            1 => vec![[x, y, z.abs()], [y, x, z.abs()]],
+            _ => vec![[x, y, z], [x, z, y], [y, x, z], [y, z, x], [z, x, y], [z, y, x]],
+        }
+    };
+    let all = images(v).into_iter().chain(images([-x, -y, -z]));
+    all.max().unwrap_or(v)
+}
+
+/// The fastest growing wave that was found, and its growth.
+#[derive(Clone, Copy, Debug)]
+pub struct Worst {
+    /// Wave vector, lattice units.
+    pub k: [f64; 3],
+    /// Growth per step.
+    pub growth: f64,
+}
+
+/// How a scan looks for growing waves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Search {
+    /// The waves of the set, until one grows.
+    First,
+    /// All, and the neighbourhood of the fastest growing ones.
+    All,
+}
+
+/// Looks for a growing wave.
+pub fn worst(linear: &Linear, set: &[[f64; 3]], search: Search) -> Worst {
+    let growth = |k: [f64; 3]| linear.growth(k).unwrap_or(f64::INFINITY);
+    let mut found: Vec<Worst> = Vec::with_capacity(set.len());
+    for &k in set {
+        let one = Worst { k, growth: growth(k) };
+        if search == Search::First && one.growth > 1.0 + TOLERANCE {
+            return one;
+        }
+        found.push(one);
+    }
+    found.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+    let mut best = found[0];
+    let starts = if search == Search::All { 4 } else { 2 };
+    for start in found.iter().take(starts) {
+        let climbed = climb(*start, &growth, search);
+        if climbed.growth > best.growth {
+            best = climbed;
+        }
+    }
+    best
+}
+
+/// Goes to the next maximum by steps along the axes, halved where none helps.
+fn climb(mut at: Worst, growth: &impl Fn([f64; 3]) -> f64, search: Search) -> Worst {
+    let mut step = PI / 44.0;
+    while step > 2e-3 {
+        let mut better = false;
+        for a in 0..3 {
+            for sign in [1.0, -1.0] {
+                let mut k = at.k;
+                k[a] += sign * step;
+                let g = growth(k);
+                if g > at.growth {
+                    (at, better) = (Worst { k, growth: g }, true);
+                    if search == Search::First && g > 1.0 + TOLERANCE {
+                        return at;
+                    }
+                }
+            }
+        }
+        if !better {
+            step *= 0.5;
+        }
+    }
+    at
+}
+
+/// The least velocity (lattice units) along a direction of [`FLOWS`] from which on a wave grows, less at most 1e-4, or
+/// [`FASTEST`].
+pub fn limit<M: Model<Q>, const Q: usize>(model: &M, flow: usize) -> f64 {
+    let mut set = waves(flow);
+    let mut stable = |speed: f64| {
+        let linear = Linear::new(model, FLOWS[flow].map(|d| d * speed));
+        let found = worst(&linear, &set, Search::First);
+        let stable = found.growth <= 1.0 + TOLERANCE;
+        if !stable {
+            // It will be the first to grow next time, too.
+            set.insert(0, found.k);
+        }
+        stable
+    };
+    let (mut low, mut high) = (0.0, STRIDE.min(FASTEST));
+    while stable(high) {
+        low = high;
+        if high >= FASTEST {
+            return FASTEST;
+        }
+        high = (high + STRIDE).min(FASTEST);
+    }
+    while high - low > CLOSE {
+        let middle = 0.5 * (low + high);
+        if stable(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
