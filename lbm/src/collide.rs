@@ -134,8 +134,7 @@ where
 {
     // SAFETY: the contract of this function is that of every call below; parts are no longer than a vector.
     unsafe {
-        let places = s.places::<S, Q>(s.places, s.start);
-        let next = s.places::<S, Q>(s.next.0, s.next.1);
+        let places = s.first::<S, Q>();
         let uniform = s.uniform.map(|f| [f; MAX_LANES]);
         let (force, stride) = if s.force[0].is_null() {
             (uniform.each_ref().map(|f| f.as_ptr()), 0)
@@ -154,7 +153,7 @@ where
                 std::array::from_fn(|i| V::load_first(places[i].wrapping_add(x), n))
             };
             if whole && ((x - head) * size_of::<S>()).is_multiple_of(LINE) {
-                fetch_ahead(s.len, &places, &next, x);
+                s.fetch_ahead::<S, Q>(x);
             }
             let momentum = model.collide::<V, true>(&mut f, force.map(|p| V::load_wide(p.add(x * stride))));
             sum = std::array::from_fn(|a| sum[a] + momentum[a]);

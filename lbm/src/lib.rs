@@ -29,7 +29,6 @@ mod model;
 pub mod models;
 mod open;
 mod open_links;
-
 mod parallel;
 mod real;
 mod relaxation;
