@@ -2,7 +2,6 @@
 
 use crate::faces::{Face, Side};
 use crate::links::Maker;
-use crate::rule::WallRule;
 
 /// Residual over that of the start at which a profile is done, and most sweeps.
 const DONE: f64 = 1e-12;
@@ -157,7 +156,7 @@ fn arm(maker: &Maker, node: [usize; 3], axis: usize, step: isize, number: impl F
     if !maker.mask.row(beside[1], beside[2])[beside[0]] {
         return Arm::Node(number(beside));
     }
-    if maker.rule == WallRule::Halfway {
+    if !maker.rule.interpolates() {
         return Arm::Wall(0.5);
     }
     let velocities = maker.storage.velocities();

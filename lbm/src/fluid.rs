@@ -11,7 +11,7 @@ use crate::links::Links;
 use crate::mask::Mask;
 use crate::model::Model;
 use crate::relaxation::{Collision, VelocitySet};
-use crate::rule::WallRule;
+use crate::rule::{LinkRule, WallRule};
 use crate::stencil::Velocities;
 use crate::storage::Storage;
 use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
@@ -60,7 +60,7 @@ pub struct Fluid {
     pub(crate) velocity_set: VelocitySet,
     pub(crate) inertia: bool,
     pub(crate) fill_narrow: bool,
-    pub(crate) wall_rule: WallRule,
+    pub(crate) wall_rule: Arc<dyn LinkRule>,
     pub(crate) mach_limit: f64,
     pub(crate) drive: Drive,
     pub(crate) isa: InstructionSet,
@@ -137,7 +137,7 @@ impl Fluid {
             velocity_set: VelocitySet::default(),
             inertia: true,
             fill_narrow: false,
-            wall_rule: WallRule::default(),
+            wall_rule: Arc::new(WallRule::default()),
             mach_limit: 0.5,
             drive: Drive::default(),
             isa,
@@ -256,9 +256,10 @@ impl Fluid {
         self
     }
 
-    /// Where walls are taken to be, [`WallRule::Halfway`] by default. It holds for walls that are set from then on.
-    pub fn with_wall_rule(mut self, rule: WallRule) -> Self {
-        self.wall_rule = rule;
+    /// Where walls are taken to be, [`WallRule::Cli`] by default: one of [`WallRule`], or a rule of one's own. It holds for
+    /// walls that are set from then on.
+    pub fn with_wall_rule(mut self, rule: impl LinkRule + 'static) -> Self {
+        self.wall_rule = Arc::new(rule);
         self
     }
 
@@ -364,8 +365,8 @@ impl Fluid {
     }
 
     /// Where walls are taken to be.
-    pub fn wall_rule(&self) -> WallRule {
-        self.wall_rule
+    pub fn wall_rule(&self) -> &dyn LinkRule {
+        &*self.wall_rule
     }
 
     /// Relaxation time, in time steps.

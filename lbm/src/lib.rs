@@ -51,5 +51,5 @@ pub use isa::InstructionSet;
 pub use model::Model;
 pub use real::Real;
 pub use relaxation::{Collision, OddRate, VelocitySet};
-pub use rule::WallRule;
+pub use rule::{CutLink, LinkRule, Shares, WallRule};
 pub use stencil::{D2Q9, D3Q19, D3Q27, Stencil};

@@ -15,11 +15,14 @@ use crate::developed::Developed;
 use crate::faces::Faces;
 use crate::mask::Mask;
 use crate::open::Openings;
-use crate::rule::{Shares, WallRule};
+use crate::rule::{CutLink, LinkRule, Shares};
 use crate::stencil::{Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
+
+/// A fraction this close to a half is one.
+const HALF: f64 = 1e-8;
 
 /// Two places of the same population.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +121,9 @@ pub struct Maker<'a> {
     pub surface: Surface<'a>,
     pub mask: &'a Mask,
     pub storage: &'a Storage,
-    pub rule: WallRule,
+    pub rule: &'a dyn LinkRule,
+    /// Relaxation time.
+    pub tau: f64,
     pub faces: &'a Faces,
     /// Density, kg/m3.
     pub density: f64,
@@ -131,13 +136,20 @@ pub struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     /// For the walls as they stand.
-    pub fn new(surface: Surface<'a>, mask: &'a Mask, storage: &'a Storage, rule: WallRule, faces: &'a Faces) -> Self {
+    pub fn new(
+        surface: Surface<'a>,
+        mask: &'a Mask,
+        storage: &'a Storage,
+        rule: &'a dyn LinkRule,
+        faces: &'a Faces,
+    ) -> Self {
         Self {
             surface,
             mask,
             storage,
             rule,
             faces,
+            tau: 1.0,
             density: 0.0,
             mach_limit: f64::INFINITY,
             profiles: Default::default(),
@@ -199,7 +211,10 @@ impl<'a> Maker<'a> {
             }
         }
         self.settle_fluxes(&mut links);
-        links.balance_pushes(self.rule, self.storage.velocities());
+        if links.fractions.iter().all(|f| (f - 0.5).abs() < HALF) {
+            links.fractions = Vec::new();
+        }
+        links.balance_pushes(self.rule.interpolates(), self.storage.velocities());
         links
     }
 
@@ -243,7 +258,7 @@ impl<'a> Maker<'a> {
 
     /// A fraction, where fractions are kept.
     fn fraction(&self, fraction: f64) -> Option<f64> {
-        (self.rule != WallRule::Halfway).then_some(fraction)
+        self.rule.interpolates().then_some(fraction)
     }
 
     /// Places of the runs from number `first` on.
@@ -266,12 +281,12 @@ impl<'a> Maker<'a> {
     }
 
     fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
-        match self.rule {
-            WallRule::Halfway => self.surface.halfway(node, i),
-            _ => match self.mirrored(node, i) {
-                Some(mirrored) => self.surface.mirrored_meeting(node, i, mirrored),
-                None => self.surface.meeting(node, i),
-            },
+        if !self.rule.interpolates() {
+            return self.surface.halfway(node, i);
+        }
+        match self.mirrored(node, i) {
+            Some(mirrored) => self.surface.mirrored_meeting(node, i, mirrored),
+            None => self.surface.meeting(node, i),
         }
     }
 
@@ -284,7 +299,14 @@ impl<'a> Maker<'a> {
         let severed = self.severed.binary_search(&(node, o)).is_ok();
         // Through an open face something arrives too.
         let arrives = !solid || self.is_open(node, o);
-        let shares = self.rule.shares(meeting.fraction, arrives && !severed);
+        let velocities = self.storage.velocities();
+        let shares = self.rule.shares(&CutLink {
+            fraction: meeting.fraction,
+            behind: arrives && !severed,
+            velocity: velocities.c(i),
+            weight: velocities.weight(i),
+            tau: self.tau,
+        });
         // The places of a thin wall behind are exchanged, perhaps before they are read.
         let shares = shares.filter(|s| !severed || *s == Shares::HALFWAY);
         links.uninterpolated += usize::from(shares.is_none());
@@ -405,12 +427,12 @@ impl Links {
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
     /// they are.
-    fn balance_pushes(&mut self, rule: WallRule, velocities: Velocities) {
+    fn balance_pushes(&mut self, interpolates: bool, velocities: Velocities) {
         let sides = || self.thin.iter().flatten();
         let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
         if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {
             self.pushes.clear();
-        } else if rule != WallRule::Halfway {
+        } else if interpolates {
             let directions = self.directions.iter().map(|d| usize::from(*d));
             let weights = directions
                 .chain(sides().map(|s| s.cut.direction))

@@ -26,9 +26,10 @@ impl Fluid {
             velocities: self.storage.velocities(),
         };
         let maker = Maker {
+            tau: self.tau,
             density: self.density,
             mach_limit: self.mach_limit,
-            ..Maker::new(surface, &self.mask, &self.storage, self.wall_rule, &self.faces)
+            ..Maker::new(surface, &self.mask, &self.storage, &*self.wall_rule, &self.faces)
         };
         self.links = maker.links();
         self.balances = vec![Default::default(); self.links.rows.len()];

@@ -34,7 +34,11 @@ fn run(options: &Options) -> Result<(), Fault> {
             return Err(format!("there is no collision `{name}`; there are {}", known.join(", ")).into());
         }
     }
-    let taus = if options.tau.is_empty() { TAUS.to_vec() } else { options.tau.clone() };
+    let taus = if options.tau.is_empty() {
+        TAUS.to_vec()
+    } else {
+        options.tau.clone()
+    };
     let wanted = |name: &str| options.names.is_empty() || options.names.iter().any(|n| n == name);
     let work: Vec<_> = CASES
         .iter()
