@@ -8,7 +8,7 @@ use crate::mask::Mask;
 use crate::parallel;
 use crate::step::Step;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Noise, Vec3, WallReport, Wrench,
 };
 use std::sync::Arc;
 
@@ -87,6 +87,7 @@ impl Lattice for Fluid {
             uniform: self.force.map(|f| f[0]),
             odd: self.odd,
             tally: self.drive.is_flux(),
+            thermal: self.thermal.as_ref().map(|t| (t, Noise::new(t.seed, self.steps))),
         };
         let few = self.mask.fluid_nodes < FEW_NODES;
         parallel::for_pieces(few, &mut self.balances, PIECE, |first, balances| {

@@ -35,6 +35,7 @@ mod stencil;
 mod step;
 mod storage;
 mod surface;
+mod thermal;
 mod trt;
 
 pub use drive::Drive;

@@ -7,7 +7,8 @@ use crate::kernel::Kernel;
 use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
 use crate::storage::{Places, Storage};
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
+use crate::thermal::Thermal;
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Noise};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
@@ -29,6 +30,8 @@ pub struct Step<'a> {
     pub odd: bool,
     /// Whether the balance of momentum is wanted.
     pub tally: bool,
+    /// Fluctuations, and the noise of this step.
+    pub thermal: Option<(&'a Thermal, Noise)>,
 }
 
 /// Places of node 0 of a row, and the number of a node.
@@ -67,6 +70,12 @@ impl Step<'_> {
             } else {
                 // SAFETY: the places of this run are ours.
                 unsafe { self.span(run.clone(), places, next, None, &mut balance) };
+            }
+        }
+        if let Some((thermal, noise)) = &self.thermal {
+            for run in runs {
+                // SAFETY: the places of this run are ours.
+                unsafe { thermal.agitate(self.storage, noise, places, [row.j, row.k], run.clone()) };
             }
         }
         // SAFETY: ghosts and homes of this row are ours.

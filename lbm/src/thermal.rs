@@ -39,7 +39,7 @@ impl Thermal {
     /// At `temperature` (K), a unit of energy (J) being that of the lattice.
     ///
     /// # Errors
-    /// [`LbmError::NotFinite`], [`LbmError::TooHot`], [`LbmError::NotThermal`].
+    /// [`LbmError::NotPositive`], [`LbmError::TooHot`], [`LbmError::NotThermal`].
     pub fn new(
         temperature: f64,
         seed: u64,
@@ -70,13 +70,17 @@ impl Thermal {
             return Err(LbmError::NotThermal { least });
         }
         let kept: Vec<usize> = (0..q).filter(|m| parts.eigenvalues[*m] > NONE).collect();
-        let share = |i: usize, m: usize| root(i) * parts.eigenvectors[(i, m)] * (variance * parts.eigenvalues[m]).sqrt();
+        let share =
+            |i: usize, m: usize| root(i) * parts.eigenvectors[(i, m)] * (variance * parts.eigenvalues[m]).sqrt();
         Ok(Self {
             temperature,
             seed,
             energy,
             shape,
-            shares: (0..q).flat_map(|i| kept.iter().map(move |m| (i, *m))).map(|(i, m)| share(i, m)).collect(),
+            shares: (0..q)
+                .flat_map(|i| kept.iter().map(move |m| (i, *m)))
+                .map(|(i, m)| share(i, m))
+                .collect(),
             modes: kept.len(),
         })
     }
@@ -93,7 +97,14 @@ impl Thermal {
     ///
     /// # Safety
     /// The places are those of the row, its nodes have collided and not been passed on, and nothing else touches them.
-    pub unsafe fn agitate(&self, storage: &Storage, noise: &Noise, places: &[usize], [j, k]: [usize; 2], run: Range<usize>) {
+    pub unsafe fn agitate(
+        &self,
+        storage: &Storage,
+        noise: &Noise,
+        places: &[usize],
+        [j, k]: [usize; 2],
+        run: Range<usize>,
+    ) {
         let mut numbers = [0.0; MAX_Q];
         let numbers = &mut numbers[..self.modes];
         let [nx, ny, _] = self.shape;
