@@ -6,7 +6,7 @@
 use crate::element::Element;
 use crate::model::Model;
 use crate::simd::{MAX_LANES, Simd, Stored, prefetch};
-use crate::stencil::{moments, opposite};
+use crate::stencil::{MAX_Q, moments, opposite};
 
 /// How far ahead the places are prefetched, in bytes.
 const AHEAD: usize = 768;
@@ -20,18 +20,19 @@ pub const UNIFORM: u8 = 1;
 /// A force for each node.
 pub const PER_NODE: u8 = 2;
 
+/// Places of the populations of node 0 of a row; they may lie before the memory.
+pub type Places = [*mut u8; MAX_Q];
+
 /// Nodes of a row that are collided in one go.
 pub struct Span<'a> {
-    /// Start of the populations.
-    pub data: *mut u8,
-    /// Number of the place of each population at node 0 of the row; it may lie before the first number.
-    pub places: &'a [usize],
+    /// Places in the row of these nodes.
+    pub places: &'a Places,
     /// Position of the first node in the row.
     pub start: usize,
     /// Number of nodes.
     pub len: usize,
     /// What will be collided next: the places of its row, and its first node.
-    pub next: (&'a [usize], usize),
+    pub next: (&'a Places, usize),
     /// Force on every node, lattice units (kernel [`UNIFORM`]).
     pub uniform: [f64; 3],
     /// Force on each node, lattice units (kernel [`PER_NODE`]).
@@ -39,24 +40,24 @@ pub struct Span<'a> {
 }
 
 impl Span<'_> {
+    /// Places of the first node.
     #[inline(always)]
-    fn places<S, const Q: usize>(&self, places: &[usize], start: usize) -> [*mut S; Q] {
-        let places = &places[..Q];
-        std::array::from_fn(|i| self.data.cast::<S>().wrapping_add(places[i].wrapping_add(start)))
+    fn first<S, const Q: usize>(&self) -> [*mut S; Q] {
+        std::array::from_fn(|i| self.places[i].cast::<S>().wrapping_add(self.start))
     }
-}
 
-/// Asks for the populations that come some way after node `x`, in this span or the next.
-#[inline(always)]
-fn fetch_ahead<S, const Q: usize>(len: usize, here: &[*mut S; Q], next: &[*mut S; Q], x: usize) {
-    let ahead = x + (AHEAD / size_of::<S>()).min(len);
-    let (places, x) = if ahead < len {
-        (here, ahead)
-    } else {
-        (next, ahead - len)
-    };
-    for place in places {
-        prefetch(place.wrapping_add(x));
+    /// Asks for the populations that come some way after node `x`, in this span or the next.
+    #[inline(always)]
+    fn fetch_ahead<S, const Q: usize>(&self, x: usize) {
+        let ahead = x + (AHEAD / size_of::<S>()).min(self.len);
+        let (places, x) = if ahead < self.len {
+            (self.places, self.start + ahead)
+        } else {
+            (self.next.0, self.next.1 + (ahead - self.len))
+        };
+        for place in &places[..Q] {
+            prefetch(place.cast::<S>().wrapping_add(x));
+        }
     }
 }
 
@@ -75,8 +76,7 @@ where
     // SAFETY: the contract of this function is that of every call below: ends are shorter than a vector, and the loop
     // stays between them.
     unsafe {
-        let places = s.places::<S, Q>(s.places, s.start);
-        let next = s.places::<S, Q>(s.next.0, s.next.1);
+        let places = s.first::<S, Q>();
         let uniform = s.uniform.map(|f| V::splat(f));
         let mut sum = [V::splat(0.0); 3];
         let ends = Ends::new::<V>(s);
@@ -101,7 +101,7 @@ where
         while x < ends.tail_from {
             let mut f: [V; Q] = std::array::from_fn(|i| V::load(places[i].wrapping_add(x)));
             if ((x - ends.head) * size_of::<S>()).is_multiple_of(LINE) {
-                fetch_ahead(s.len, &places, &next, x);
+                s.fetch_ahead::<S, Q>(x);
             }
             let momentum = match FORCE {
                 PER_NODE => model.collide::<V, true>(&mut f, s.force.map(|p| V::load_wide(p.add(x)))),
@@ -134,8 +134,7 @@ where
 {
     // SAFETY: the contract of this function is that of every call below; parts are no longer than a vector.
     unsafe {
-        let places = s.places::<S, Q>(s.places, s.start);
-        let next = s.places::<S, Q>(s.next.0, s.next.1);
+        let places = s.first::<S, Q>();
         let uniform = s.uniform.map(|f| [f; MAX_LANES]);
         let (force, stride) = if s.force[0].is_null() {
             (uniform.each_ref().map(|f| f.as_ptr()), 0)
@@ -154,7 +153,7 @@ where
                 std::array::from_fn(|i| V::load_first(places[i].wrapping_add(x), n))
             };
             if whole && ((x - head) * size_of::<S>()).is_multiple_of(LINE) {
-                fetch_ahead(s.len, &places, &next, x);
+                s.fetch_ahead::<S, Q>(x);
             }
             let momentum = model.collide::<V, true>(&mut f, force.map(|p| V::load_wide(p.add(x * stride))));
             sum = std::array::from_fn(|a| sum[a] + momentum[a]);
@@ -209,7 +208,7 @@ where
 {
     // SAFETY: the contract of this function is that of every call below.
     unsafe {
-        let places = s.places::<S, Q>(s.places, s.start);
+        let places = s.first::<S, Q>();
         let mut x = 0;
         while x < s.len {
             let n = V::LANES.min(s.len - x);

@@ -35,6 +35,7 @@ mod stencil;
 mod step;
 mod storage;
 mod surface;
+mod sweep;
 mod thermal;
 mod trt;
 

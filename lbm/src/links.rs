@@ -10,6 +10,7 @@
 //! would share: exchanging what is in them is halfway bounce-back on both sides. Such links, and what interpolation adds
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
+use crate::collide::Places;
 use crate::mask::Mask;
 use crate::rule::{Shares, WallRule};
 use crate::stencil::{Velocities, opposite};
@@ -65,12 +66,24 @@ pub struct Row {
     pub wraps_in: Range<usize>,
 }
 
+/// In place of the number of a row without fluid.
+const NO_ROW: u32 = u32::MAX;
+
 /// All rows and links, in the order of the rows.
 #[derive(Default)]
 pub struct Links {
     pub rows: Vec<Row>,
     /// Fluid nodes `start..end` of a row.
     pub runs: Vec<Range<usize>>,
+    /// Where node 0 of the row of each run finds its populations in an even step, then in an odd one; see
+    /// [`Links::places`].
+    places: Vec<i32>,
+    /// Number of each row (`j`, `k`), j fastest; [`NO_ROW`] where there is no fluid.
+    row_at: Vec<u32>,
+    /// Rows of a plane.
+    ny: usize,
+    /// Number of populations.
+    q: usize,
     /// Links into walls.
     pub walls: Vec<Link>,
     /// The population that comes back from the wall.
@@ -122,6 +135,9 @@ impl<'a> Maker<'a> {
         let Between { thin, closed_gaps } = self.surface.between(self.mask);
         let mut links = Links {
             closed_gaps,
+            ny: self.surface.grid.shape[1],
+            q: self.storage.velocities().q(),
+            row_at: vec![NO_ROW; self.surface.grid.shape[1] * self.surface.grid.shape[2]],
             ..Links::default()
         };
         for &(node, i) in &thin {
@@ -145,6 +161,8 @@ impl<'a> Maker<'a> {
                     }
                 }
                 self.add_outgoing(j, k, &mut links);
+                self.add_places(j, k, starts[0], &mut links);
+                links.row_at[k * ny + j] = links.rows.len() as u32;
                 let ends = links.ends();
                 let range = |n: usize| starts[n]..ends[n];
                 links.rows.push(Row {
@@ -201,6 +219,25 @@ impl<'a> Maker<'a> {
             } else {
                 let home = self.storage.index(opposite(i), source.rem_euclid(nx), sj, sk);
                 links.wraps_in.push(Link { ghost, home });
+            }
+        }
+    }
+
+    /// Places of the runs from number `first` on.
+    fn add_places(&self, j: usize, k: usize, first: usize, links: &mut Links) {
+        for run in first..links.runs.len() {
+            let x = links.runs[run].start as isize;
+            for i in 0..links.q {
+                links
+                    .places
+                    .push((self.storage.place(i, x, j as isize, k as isize) - x) as i32);
+            }
+            for i in 0..links.q {
+                let [cx, cy, cz] = self.c(i);
+                let [sj, sk] = self.storage.wrapped(j as isize - cy, k as isize - cz);
+                links
+                    .places
+                    .push((self.storage.place(opposite(i), x - cx, sj, sk) - x) as i32);
             }
         }
     }
@@ -283,6 +320,34 @@ impl<'a> Maker<'a> {
 }
 
 impl Links {
+    /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:
+    /// at home before an even step, in the neighbours before an odd one, there in the array of the opposite population.
+    #[inline(always)]
+    pub fn places(&self, run: usize, odd: bool) -> &[i32] {
+        let first = (2 * run + usize::from(odd)) * self.q;
+        &self.places[first..][..self.q]
+    }
+
+    /// The same as pointers.
+    #[inline]
+    pub fn pointers(&self, run: usize, odd: bool, storage: &Storage, to: &mut Places) {
+        let (arrays, data) = (storage.arrays(), storage.data());
+        let bytes = storage.precision().bytes() as isize;
+        let turned = usize::from(odd);
+        for (i, place) in self.places(run, odd).iter().enumerate() {
+            // The opposite population is the neighbour in its pair.
+            let array = if i == 0 { 0 } else { ((i - 1) ^ turned) + 1 };
+            to[i] = data.wrapping_offset((arrays[array] as isize + *place as isize) * bytes);
+        }
+    }
+
+    /// Number of row (`j`, `k`), if it has fluid.
+    #[inline(always)]
+    pub fn row_at(&self, j: usize, k: usize) -> Option<usize> {
+        let row = self.row_at.get(k * self.ny + j).copied().unwrap_or(NO_ROW);
+        (row != NO_ROW).then_some(row as usize)
+    }
+
     fn ends(&self) -> [usize; 5] {
         [
             self.runs.len(),

@@ -9,6 +9,14 @@ fn threaded() -> bool {
     rayon::current_num_threads() > 1
 }
 
+/// Threads of the current pool.
+pub fn threads() -> usize {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    1
+}
+
 /// Calls `work` for pieces of `size` states with the number of the first. `few` says that threads would not pay.
 pub fn for_pieces<S: Send>(few: bool, states: &mut [S], size: usize, work: impl Fn(usize, &mut [S]) + Sync) {
     #[cfg(feature = "parallel")]

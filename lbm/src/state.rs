@@ -6,7 +6,7 @@ use crate::fluid::Fluid;
 use crate::kernel::Kernel;
 use crate::links::Maker;
 use crate::mask::Mask;
-use crate::stencil::MAX_Q;
+use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use crate::surface::Surface;
 use lbm_ibm_coupling::Vec3;
@@ -40,14 +40,18 @@ impl Fluid {
         self.owed = [0.0; 2];
         self.flow = None;
         for row in &self.links.rows {
-            let places = self.storage.places(row.j, row.k, false);
             for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
                 let (u, gradient) = field(self.grid.position(x, row.j, row.k));
                 let momentum = std::array::from_fn(|a| u[a] - 0.5 * self.force[a][1]);
                 for i in 0..self.storage.velocities().q() {
                     let population = self.population(i, u, momentum, &gradient);
                     // SAFETY: the node is in the grid, and `self` is exclusive.
-                    unsafe { self.storage.write(places[i] + x, population) };
+                    unsafe {
+                        self.storage.write(
+                            self.storage.index(i, x as isize, row.j as isize, row.k as isize),
+                            population,
+                        )
+                    };
                 }
             }
         }
@@ -102,41 +106,49 @@ impl Fluid {
         }
         let mut kept = Vec::with_capacity(self.mask.fluid_nodes);
         for row in &self.links.rows {
-            let places = self.storage.places(row.j, row.k, self.odd);
-            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
-                let mut populations = [0.0; MAX_Q];
-                for i in 0..self.storage.velocities().q() {
-                    // SAFETY: the node is in the grid, and nothing writes now.
-                    populations[i] = unsafe { self.storage.read(places[i].wrapping_add(x)) };
+            for run in row.runs.clone() {
+                for x in self.links.runs[run].clone() {
+                    let mut populations = [0.0; MAX_Q];
+                    for i in 0..self.storage.velocities().q() {
+                        // SAFETY: the node is in the grid, and nothing writes now.
+                        populations[i] = unsafe { self.storage.read(self.incoming(run, i, x)) };
+                    }
+                    kept.push(([x, row.j, row.k], populations));
                 }
-                kept.push(([x, row.j, row.k], populations));
             }
         }
         kept
+    }
+
+    /// Index of the incoming population `i` of node `x` of a run.
+    fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
+        let array = self.storage.arrays()[if self.odd { opposite(i) } else { i }];
+        (array + x).wrapping_add_signed(self.links.places(run, self.odd)[i] as isize)
     }
 
     /// Sets the populations of nodes that are in the fluid, at home.
     fn put(&mut self, nodes: &[([usize; 3], Populations)]) {
         self.odd = false;
         for ([x, j, k], populations) in nodes {
-            if self.mask.is_solid(*x as isize, *j as isize, *k as isize) {
+            let [x, j, k] = [x, j, k].map(|i| *i as isize);
+            if self.mask.is_solid(x, j, k) {
                 continue;
             }
-            let places = self.storage.places(*j, *k, false);
             for i in 0..self.storage.velocities().q() {
                 // SAFETY: the node is in the grid, and `self` is exclusive.
-                unsafe { self.storage.write(places[i] + x, populations[i]) };
+                unsafe { self.storage.write(self.storage.index(i, x, j, k), populations[i]) };
             }
         }
     }
 
-    /// Density about 1 and momentum without force, lattice units, of the nodes `part` of row (`j`, `k`), written to the
-    /// start of `to`. Those of solid nodes mean nothing.
-    pub(crate) fn moments(&self, j: usize, k: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
-        assert!(part.end <= self.grid.shape[0] && to.iter().all(|t| t.len() >= part.len()));
-        let places = self.storage.places(j, k, self.odd);
+    /// Density less 1 and momentum without force, lattice units, of the nodes `part` of a run, written to the start of
+    /// `to`.
+    pub(crate) fn moments(&self, run: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
+        let all = &self.links.runs[run];
+        assert!(all.start <= part.start && part.end <= all.end && to.iter().all(|t| t.len() >= part.len()));
+        let mut places = [std::ptr::null_mut(); MAX_Q];
+        self.links.pointers(run, self.odd, &self.storage, &mut places);
         let span = Span {
-            data: self.storage.data(),
             places: &places,
             start: part.start,
             len: part.len(),
@@ -144,7 +156,7 @@ impl Fluid {
             uniform: [0.0; 3],
             force: [std::ptr::null(); 3],
         };
-        // SAFETY: the nodes are in the grid, nothing writes to the populations now, `to` has room, and the kernel was
+        // SAFETY: the nodes are in the fluid, nothing writes to the populations now, `to` has room, and the kernel was
         // chosen for this processor.
         unsafe { self.kernel.read(&span, to.map(|t| t.as_mut_ptr())) }
     }
@@ -153,9 +165,10 @@ impl Fluid {
     pub(crate) fn momentum(&self) -> [f64; 3] {
         let rows = crate::parallel::map(&self.links.rows, |row| {
             let mut sum = [0.0; 3];
-            for run in &self.links.runs[row.runs.clone()] {
-                let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; run.len()]);
-                self.moments(row.j, row.k, run.clone(), moments.each_mut().map(|m| m.as_mut_slice()));
+            for run in row.runs.clone() {
+                let nodes = self.links.runs[run].clone();
+                let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; nodes.len()]);
+                self.moments(run, nodes, moments.each_mut().map(|m| m.as_mut_slice()));
                 for a in 0..3 {
                     sum[a] += moments[a + 1].iter().sum::<f64>();
                 }

@@ -1,12 +1,13 @@
 //! One time step of the populations, row by row.
 
-use crate::collide::{FREE, PER_NODE, Span, UNIFORM};
+use crate::collide::{FREE, PER_NODE, Places, Span, UNIFORM};
 use crate::drive::Balance;
 use crate::element::{Element, Half, Precision};
 use crate::kernel::Kernel;
 use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
-use crate::storage::{Places, Storage};
+use crate::stencil::MAX_Q;
+use crate::storage::Storage;
 use crate::thermal::Thermal;
 use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Noise};
 use std::ops::Range;
@@ -26,67 +27,113 @@ pub struct Step<'a> {
     pub force_scale: f64,
     /// Uniform force, lattice units.
     pub uniform: [f64; 3],
-    /// Whether populations are in the neighbours.
-    pub odd: bool,
     /// Whether the balance of momentum is wanted.
     pub tally: bool,
     /// Fluctuations, and the noise of this step.
     pub thermal: Option<(&'a Thermal, Noise)>,
 }
 
-/// Places of node 0 of a row, and the number of a node.
-type Next<'a> = (&'a Places, usize);
+/// A run, and what will be collided after it: the places of its row, and its first node.
+struct Work<'a> {
+    places: &'a Places,
+    next: (&'a Places, usize),
+}
+
+/// Places of the run at work and of the one after it.
+pub struct Ahead {
+    places: [Places; 2],
+    /// Which of the two comes next.
+    next: usize,
+    /// What that is: a run, in an odd step or not.
+    run: Option<(usize, bool)>,
+}
+
+impl Ahead {
+    pub fn new() -> Self {
+        Self {
+            places: [[std::ptr::null_mut(); MAX_Q]; 2],
+            next: 0,
+            run: None,
+        }
+    }
+}
 
 impl Step<'_> {
-    /// Collides and streams rows from number `first` on, one for each of `balances`.
+    /// Collides and streams rows from number `first` on, one for each of `balances`; `odd` says whether populations are in
+    /// the neighbours.
     ///
     /// # Safety
     /// No two threads may work on the same row, and nothing else may touch the populations meanwhile. Every place is
     /// used by one row alone: see [`crate::links`].
-    pub unsafe fn rows(&self, first: usize, balances: &mut [Balance]) {
-        let rows = &self.links.rows[first..];
-        let places_of = |row: &Row| self.storage.places(row.j, row.k, self.odd);
-        let mut places = places_of(&rows[0]);
+    pub unsafe fn rows(&self, first: usize, balances: &mut [Balance], odd: bool) {
+        let mut ahead = Ahead::new();
         for (n, balance) in balances.iter_mut().enumerate() {
-            let row = &rows[n];
             // Behind the last row there is nothing to fetch; the row itself does no harm.
-            let next = rows.get(n + 1).unwrap_or(row);
-            let next_places = places_of(next);
+            let next = (first + n + 1).min(self.links.rows.len() - 1);
             // SAFETY: as for this function.
-            *balance = unsafe { self.row(row, &places, (&next_places, self.links.runs[next.runs.start].start)) };
-            places = next_places;
+            *balance = unsafe { self.row(first + n, odd, (next, odd), &mut ahead) };
         }
     }
 
-    unsafe fn row(&self, row: &Row, places: &Places, next_row: Next) -> Balance {
+    /// Collides and streams one row; `next` is likely to come after it, in an odd step or not.
+    ///
+    /// # Safety
+    /// As for [`Step::rows`].
+    #[inline]
+    pub unsafe fn row(&self, row: usize, odd: bool, next: (usize, bool), ahead: &mut Ahead) -> Balance {
+        let row = &self.links.rows[row];
         let mut balance = Balance::default();
         let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
-        let runs = &self.links.runs[row.runs.clone()];
-        for (n, run) in runs.iter().enumerate() {
-            let next = runs.get(n + 1).map_or(next_row, |run| (places, run.start));
+        let next = (self.links.rows[next.0].runs.start, next.1);
+        for run in row.runs.clone() {
+            let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
+            let work = self.look_ahead((run, odd), next, ahead);
+            let (run, places) = (&self.links.runs[run], work.places);
             if touched {
                 // SAFETY: the places of this run are ours.
-                unsafe { self.touched_run(row, run, places, next, &mut balance) };
+                unsafe { self.touched_run(row, run, work, &mut balance) };
             } else {
                 // SAFETY: the places of this run are ours.
-                unsafe { self.span(run.clone(), places, next, None, &mut balance) };
+                unsafe { self.span(run.clone(), &work, None, &mut balance) };
             }
-        }
-        if let Some((thermal, noise)) = &self.thermal {
-            for run in runs {
-                // SAFETY: the places of this run are ours.
-                unsafe { thermal.agitate(self.storage, noise, places, [row.j, row.k], run.clone()) };
+            if let Some((thermal, noise)) = &self.thermal {
+                let at = [row.j, row.k];
+                // SAFETY: the places of this run are ours, and its nodes have collided.
+                unsafe {
+                    match self.storage.precision() {
+                        Precision::F64 => thermal.agitate::<f64>(noise, places, at, run.clone()),
+                        Precision::F32 => thermal.agitate::<f32>(noise, places, at, run.clone()),
+                        Precision::F16 => thermal.agitate::<Half>(noise, places, at, run.clone()),
+                    }
+                }
             }
         }
         // SAFETY: ghosts and homes of this row are ours.
         unsafe {
             match self.storage.precision() {
-                Precision::F64 => self.pass_links::<f64>(row, &mut balance),
-                Precision::F32 => self.pass_links::<f32>(row, &mut balance),
-                Precision::F16 => self.pass_links::<Half>(row, &mut balance),
+                Precision::F64 => self.pass_links::<f64>(row, odd, &mut balance),
+                Precision::F32 => self.pass_links::<f32>(row, odd, &mut balance),
+                Precision::F16 => self.pass_links::<Half>(row, odd, &mut balance),
             }
         }
         balance
+    }
+
+    /// A run, with the one that is likely to come after it, each in an odd step or not.
+    #[inline]
+    fn look_ahead<'a>(&self, run: (usize, bool), after: (usize, bool), ahead: &'a mut Ahead) -> Work<'a> {
+        let here = ahead.next;
+        if ahead.run != Some(run) {
+            self.links.pointers(run.0, run.1, self.storage, &mut ahead.places[here]);
+        }
+        self.links
+            .pointers(after.0, after.1, self.storage, &mut ahead.places[1 - here]);
+        ahead.next = 1 - here;
+        ahead.run = Some(after);
+        Work {
+            places: &ahead.places[here],
+            next: (&ahead.places[1 - here], self.links.runs[after.0].start),
+        }
     }
 
     fn slot(&self, brick: usize, row: &Row) -> Option<usize> {
@@ -95,8 +142,8 @@ impl Step<'_> {
 
     /// Divides a run into stretches in bricks and stretches beside them.
     #[inline(never)]
-    unsafe fn touched_run(&self, row: &Row, run: &Range<usize>, places: &Places, next: Next, balance: &mut Balance) {
-        let mut force = [[0.0; GATHERED]; 3];
+    unsafe fn touched_run(&self, row: &Row, run: &Range<usize>, mut work: Work, balance: &mut Balance) {
+        let (mut force, after) = ([[0.0; GATHERED]; 3], work.next);
         let mut x = run.start;
         while x < run.end {
             let in_brick = self.slot(x / BRICK_EDGE, row).is_some();
@@ -109,13 +156,13 @@ impl Step<'_> {
             }
             let part = x..end.min(run.end);
             x = part.end;
-            let next = if x < run.end { (places, x) } else { next };
+            work.next = if x < run.end { (work.places, x) } else { after };
             let gathered = in_brick.then(|| {
                 self.gather(row, &part, &mut force, balance);
                 &force
             });
             // SAFETY: the places of this run are ours.
-            unsafe { self.span(part, places, next, gathered, balance) };
+            unsafe { self.span(part, &work, gathered, balance) };
         }
     }
 
@@ -152,8 +199,7 @@ impl Step<'_> {
     unsafe fn span(
         &self,
         part: Range<usize>,
-        places: &Places,
-        next: Next,
+        work: &Work,
         force: Option<&[[f64; GATHERED]; 3]>,
         balance: &mut Balance,
     ) {
@@ -163,11 +209,10 @@ impl Step<'_> {
             None => UNIFORM,
         };
         let span = Span {
-            data: self.storage.data(),
-            places,
+            places: work.places,
             start: part.start,
             len: part.len(),
-            next: (next.0, next.1),
+            next: work.next,
             uniform: self.uniform,
             force: force.map_or([std::ptr::null(); 3], |f| [f[0].as_ptr(), f[1].as_ptr(), f[2].as_ptr()]),
         };
@@ -180,11 +225,10 @@ impl Step<'_> {
     }
 
     /// Home to ghost after an even step, ghost to home after an odd one.
-    unsafe fn pass_links<S: Element>(&self, row: &Row, balance: &mut Balance) {
+    unsafe fn pass_links<S: Element>(&self, row: &Row, odd: bool, balance: &mut Balance) {
         let data = self.storage.data().cast::<S>();
-        let velocities = self.storage.velocities();
         let ends = |link: &Link| {
-            if self.odd {
+            if odd {
                 (link.ghost, link.home)
             } else {
                 (link.home, link.ghost)
@@ -192,12 +236,12 @@ impl Step<'_> {
         };
         let walls = &self.links.walls[row.walls.clone()];
         let pushes = self.links.pushes.get(row.walls.clone());
-        let wraps = if self.odd {
+        let wraps = if odd {
             &self.links.wraps_in[row.wraps_in.clone()]
         } else {
             &self.links.wraps_out[row.wraps_out.clone()]
         };
-        for link in walls {
+        for link in walls.iter().chain(wraps) {
             let (from, to) = ends(link);
             // SAFETY: both places belong to this row.
             unsafe { *data.add(to) = *data.add(from) };
@@ -208,19 +252,14 @@ impl Step<'_> {
             unsafe { *data.add(to) = S::near((*data.add(to)).get() + push) };
         }
         if self.tally {
+            let velocities = self.storage.velocities();
             for (link, direction) in walls.iter().zip(&self.links.directions[row.walls.clone()]) {
-                let (from, to) = ends(link);
                 // SAFETY: both places belong to this row.
-                let exchanged = unsafe { (*data.add(from)).get() + (*data.add(to)).get() };
+                let exchanged = unsafe { (*data.add(link.ghost)).get() + (*data.add(link.home)).get() };
                 for a in 0..3 {
                     balance.walls[a] += f64::from(velocities.c(usize::from(*direction))[a]) * exchanged;
                 }
             }
-        }
-        for link in wraps {
-            let (from, to) = ends(link);
-            // SAFETY: both places belong to this row.
-            unsafe { *data.add(to) = *data.add(from) };
         }
     }
 }

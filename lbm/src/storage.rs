@@ -1,7 +1,7 @@
 //! Memory of the populations: an array for each with ghost nodes, x fastest.
 
 use crate::element::{Element, Half, Precision};
-use crate::stencil::{MAX_Q, Velocities, opposite};
+use crate::stencil::{MAX_Q, Velocities};
 use lbm_ibm_coupling::Grid;
 use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
 
@@ -20,12 +20,10 @@ pub struct Storage {
     layout: Layout,
     precision: Precision,
     velocities: Velocities,
-    /// Numbers before node 0 of the first row.
-    lead: usize,
+    arrays: [usize; MAX_Q],
     shape: [usize; 3],
     periodic: [bool; 3],
     stride: usize,
-    pitch: usize,
 }
 
 // SAFETY: the memory is owned; shared access only reads it, and writing goes through pointers whose users keep apart.
@@ -67,11 +65,10 @@ impl Storage {
             layout,
             precision,
             velocities,
-            lead: line,
+            arrays: std::array::from_fn(|i| i * pitch + line),
             shape: grid.shape,
             periodic: grid.periodic,
             stride,
-            pitch,
         }
     }
 
@@ -139,8 +136,20 @@ impl Storage {
     /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost).
     #[inline]
     pub fn index(&self, i: usize, x: isize, j: isize, k: isize) -> usize {
+        self.arrays[i].wrapping_add_signed(self.place(i, x, j, k))
+    }
+
+    /// The same, from the start of the array of the population.
+    #[inline]
+    pub fn place(&self, _i: usize, x: isize, j: isize, k: isize) -> isize {
         let row = (k + 1) as usize * (self.shape[1] + 2) + (j + 1) as usize;
-        (i * self.pitch + self.lead + row * self.stride).wrapping_add_signed(x)
+        (row * self.stride) as isize + x
+    }
+
+    /// Where the array of each population starts.
+    #[inline(always)]
+    pub fn arrays(&self) -> &[usize; MAX_Q] {
+        &self.arrays
     }
 
     /// The row that stands at (`j`, `k`), each from -1 to the number of nodes: wrapped where the direction repeats, else
@@ -159,35 +168,7 @@ impl Storage {
             _ => i,
         }
     }
-
-    /// Numbers of the places where node 0 of row (`j`, `k`) finds its incoming populations, and leaves the outgoing ones at
-    /// the opposite place: at home before an even step, in the neighbours before an odd one.
-    #[inline]
-    pub fn places(&self, j: usize, k: usize, odd: bool) -> Places {
-        let (j, k) = (j as isize, k as isize);
-        let mut places = [0; MAX_Q];
-        let q = self.velocities.q();
-        if !odd {
-            let home = self.index(0, 0, j, k);
-            for (i, place) in places[..q].iter_mut().enumerate() {
-                *place = home + i * self.pitch;
-            }
-            return places;
-        }
-        let ys = [self.wrap(j - 1, 1), j, self.wrap(j + 1, 1)];
-        let zs = [self.wrap(k - 1, 2), k, self.wrap(k + 1, 2)];
-        let rows: [[usize; 3]; 3] = zs.map(|z| ys.map(|y| self.index(0, 0, y, z)));
-        for (i, place) in places[..q].iter_mut().enumerate() {
-            let [cx, cy, cz] = self.velocities.c(i);
-            let row = rows[(1 - cz) as usize][(1 - cy) as usize];
-            *place = (row + opposite(i) * self.pitch).wrapping_add_signed(-cx as isize);
-        }
-        places
-    }
 }
-
-/// Number of the place of each population at node 0 of a row.
-pub type Places = [usize; MAX_Q];
 
 impl Drop for Storage {
     fn drop(&mut self) {
