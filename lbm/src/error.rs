@@ -55,6 +55,24 @@ pub enum LbmError {
         /// Its value, per step.
         value: f64,
     },
+    /// Thermal fluctuations that are not small.
+    #[error(
+        "a node's thermal velocity is {mach:.3} of the speed of sound, at most {limit} is small: use a coarser grid, a smaller time step or a lower temperature"
+    )]
+    TooHot {
+        /// Root of the mean square of a component of the thermal velocity of a node, by the speed of sound.
+        mach: f64,
+        /// Greatest that is accepted.
+        limit: f64,
+    },
+    /// A collision that can be kept at no temperature.
+    #[error(
+        "the collision adds to fluctuations by itself (variance {least:.2e} of theirs per step would have to be taken away): use BGK, TRT or a regularised collision"
+    )]
+    NotThermal {
+        /// Least variance that noise would have to add in a step, by the variance of the populations.
+        least: f64,
+    },
     /// A collision that is not written for the lattice velocities.
     #[error("the collision {collision} is not made for {set}: take D3Q19, or central moments, which can do all")]
     NotOnThisSet {

@@ -14,6 +14,7 @@ use crate::relaxation::{Collision, VelocitySet};
 use crate::rule::{LinkRule, WallRule};
 use crate::stencil::Velocities;
 use crate::storage::Storage;
+use crate::thermal::Thermal;
 use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
 use std::sync::Arc;
 
@@ -62,6 +63,7 @@ pub struct Fluid {
     pub(crate) fill_narrow: bool,
     pub(crate) wall_rule: Arc<dyn LinkRule>,
     pub(crate) mach_limit: f64,
+    pub(crate) thermal: Option<Thermal>,
     pub(crate) drive: Drive,
     pub(crate) isa: InstructionSet,
     pub(crate) kernel: Box<dyn Kernel>,
@@ -139,6 +141,7 @@ impl Fluid {
             fill_narrow: false,
             wall_rule: Arc::new(WallRule::default()),
             mach_limit: 0.5,
+            thermal: None,
             drive: Drive::default(),
             isa,
             kernel,
@@ -171,6 +174,7 @@ impl Fluid {
         collision.check(self.tau, self.velocity_set)?;
         self.collision = Some(collision);
         self.rebuild();
+        self.warm()?;
         Ok(self)
     }
 
@@ -185,6 +189,7 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         (self.collision, self.velocity_set) = (Some(collision), set);
         self.set_kernel(kernel, self.storage.precision());
+        self.warm()?;
         Ok(self)
     }
 
@@ -217,7 +222,35 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         self.collision = None;
         self.set_kernel(kernel, self.storage.precision());
+        self.warm()?;
         Ok(self)
+    }
+
+    /// Thermal fluctuations at `temperature` (K): momentum and stress of the nodes have the fluctuations of a fluid at rest at this
+    /// temperature (Adhikari et al. 2005, Duenweg, Schiller and Ladd 2007), from numbers that depend on `seed`, step and node alone.
+    /// It starts without them; a wave comes to its own within a few of its times of decay, `1/(nu k^2)`. Costs several times
+    /// the step.
+    ///
+    /// # Errors
+    /// [`LbmError::NotPositive`] for the temperature, [`LbmError::TooHot`]; [`LbmError::NotThermal`], here or where the collision is
+    /// changed after this.
+    pub fn with_temperature(mut self, temperature: f64, seed: u64) -> Result<Self, LbmError> {
+        let energy = self.density * self.grid.spacing.powi(3) * self.velocity_unit().powi(2);
+        self.thermal = Some(Thermal::new(temperature, seed, energy, self.grid.shape, &*self.kernel)?);
+        Ok(self)
+    }
+
+    /// Temperature of the fluctuations, K; 0 without.
+    pub fn temperature(&self) -> f64 {
+        self.thermal.as_ref().map_or(0.0, |t| t.temperature)
+    }
+
+    /// Finds the noise anew for another collision.
+    fn warm(&mut self) -> Result<(), LbmError> {
+        if let Some(thermal) = &self.thermal {
+            self.thermal = Some(thermal.of(&*self.kernel)?);
+        }
+        Ok(())
     }
 
     /// How the populations are stored, [`Precision::F64`] by default.

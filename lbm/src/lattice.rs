@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::step::Step;
 use crate::sweep::Sweep;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Noise, Vec3, WallReport, Wrench,
 };
 use std::sync::Arc;
 
@@ -213,6 +213,7 @@ impl Fluid {
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
             tally: self.drive.is_flux(),
+            thermal: self.thermal.as_ref().map(|t| (t, Noise::new(t.seed, self.steps))),
         }
     }
 
@@ -220,6 +221,7 @@ impl Fluid {
     fn sweep_steps(&self, bricks: &Bricks, most: usize) -> usize {
         let simple = bricks.is_empty()
             && !self.drive.is_flux()
+            && self.thermal.is_none()
             && self.links.cuts.is_empty()
             && self.links.thin.is_empty()
             && self.links.openings.links.is_empty()

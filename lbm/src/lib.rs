@@ -40,6 +40,7 @@ mod step;
 mod storage;
 mod surface;
 mod sweep;
+mod thermal;
 mod trt;
 
 pub use drive::Drive;

@@ -8,7 +8,8 @@ use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks};
+use crate::thermal::Thermal;
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Noise};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
@@ -28,6 +29,8 @@ pub struct Step<'a> {
     pub uniform: [f64; 3],
     /// Whether the balance of momentum is wanted.
     pub tally: bool,
+    /// Fluctuations, and the noise of this step.
+    pub thermal: Option<(&'a Thermal, Noise)>,
 }
 
 /// A run, and what will be collided after it: the places of its row, and its first node.
@@ -85,13 +88,24 @@ impl Step<'_> {
         for run in row.runs.clone() {
             let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
             let work = self.look_ahead((run, odd), next, ahead);
-            let run = &self.links.runs[run];
+            let (run, places) = (&self.links.runs[run], work.places);
             if touched {
                 // SAFETY: the places of this run are ours.
                 unsafe { self.touched_run(row, run, work, &mut balance) };
             } else {
                 // SAFETY: the places of this run are ours.
                 unsafe { self.span(run.clone(), &work, None, &mut balance) };
+            }
+            if let Some((thermal, noise)) = &self.thermal {
+                let at = [row.j, row.k];
+                // SAFETY: the places of this run are ours, and its nodes have collided.
+                unsafe {
+                    match self.storage.precision() {
+                        Precision::F64 => thermal.agitate::<f64>(noise, places, at, run.clone()),
+                        Precision::F32 => thermal.agitate::<f32>(noise, places, at, run.clone()),
+                        Precision::F16 => thermal.agitate::<Half>(noise, places, at, run.clone()),
+                    }
+                }
             }
         }
         // SAFETY: ghosts and homes of this row are ours.
