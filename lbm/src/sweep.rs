@@ -13,10 +13,10 @@ use crate::parallel;
 use crate::step::{Ahead, Step};
 use std::ops::Range;
 
-/// Bytes of populations that a thread works on at a time, about what its cache holds.
-const CACHE: usize = 1 << 20;
+/// Bytes of populations that a thread works on at a time, about half of what its share of the last cache holds.
+const CACHE: usize = 4 << 20;
 /// Fewest rows of a block, as a multiple of the number of steps.
-const LEAST_ROWS: usize = 3;
+const LEAST_ROWS: usize = 2;
 
 /// A sweep of several steps.
 pub struct Sweep<'a> {
