@@ -135,13 +135,7 @@ impl Line<'_> {
         let [ny, nz] = self.sweep.shape.map(|n| n as isize);
         let (k, odd) = (plane.rem_euclid(nz) as usize, self.sweep.odd ^ (t % 2 == 1));
         for j in rows {
-            let j = if j < 0 {
-                j + ny
-            } else if j >= ny {
-                j - ny
-            } else {
-                j
-            };
+            let j = j.rem_euclid(ny);
             let Some(row) = self.sweep.step.links.row_at(j as usize, k) else {
                 continue;
             };

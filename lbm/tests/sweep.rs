@@ -13,11 +13,16 @@ impl Boundary for Rubble {
     fn probe(&self, x: Vec3, _t: f64) -> Probe {
         let at = (x - self.0.origin) / self.0.spacing;
         let hash = at.iter().fold(17_u64, |h, v| {
-            (h ^ v.floor() as i64 as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+            (h ^ v.floor() as i64 as u64)
+                .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+                .rotate_left(29)
         });
         Probe {
             velocity: Vec3::new(1e-4, 0.0, 0.0),
-            ..Probe::at_rest(if hash.is_multiple_of(9) { -1.0 } else { 1.0 }, Vec3::new(0.6, 0.6, 0.5))
+            ..Probe::at_rest(
+                if hash.is_multiple_of(9) { -1.0 } else { 1.0 },
+                Vec3::new(0.6, 0.6, 0.5),
+            )
         }
     }
 }
@@ -35,7 +40,11 @@ fn fluid(shape: [usize; 3], periodic: [bool; 3], precision: Precision, isa: Inst
     }
     fluid.set_velocity(|x| {
         let k = x / grid.spacing;
-        Vec3::new((0.4 * k.y + 0.3 * k.z).sin(), (0.2 * k.x).cos(), (0.7 * k.x + k.y).sin()) * (0.02 * unit)
+        Vec3::new(
+            (0.4 * k.y + 0.3 * k.z).sin(),
+            (0.2 * k.x).cos(),
+            (0.7 * k.x + k.y).sin(),
+        ) * (0.02 * unit)
     });
     let force = Vec3::new(1e-5, -2e-5, 0.5e-5) * (1e3 * grid.spacing / fluid.time_step().powi(2));
     fluid.set_drive(Drive::Force(force)).unwrap();
@@ -57,7 +66,8 @@ fn same(a: &Macroscopic, b: &Macroscopic) -> bool {
 
 #[test]
 fn sweeps_of_several_steps_give_the_same_bits_as_single_ones_on_any_number_of_threads() {
-    let shapes = [[24, 40, 24], [33, 7, 61], [6, 120, 20], [40, 3, 90]];
+    // The last is wide enough for several blocks of rows.
+    let shapes = [[24, 40, 24], [33, 7, 61], [6, 120, 20], [40, 3, 90], [250, 66, 19]];
     for (n, shape) in shapes.into_iter().enumerate() {
         for (m, precision) in ALL.into_iter().enumerate() {
             let bits = n * 3 + m;
@@ -67,7 +77,8 @@ fn sweeps_of_several_steps_give_the_same_bits_as_single_ones_on_any_number_of_th
             let bricks = Bricks::new(single.grid());
             (0..24).for_each(|_| single.advance(&bricks).unwrap());
             let single = single.macroscopic().unwrap();
-            for threads in [1, 2, 5] {
+            let threads: &[usize] = if n == 4 { &[1] } else { &[1, 2, 5] };
+            for &threads in threads {
                 let many = on_threads(threads, || {
                     let mut many = made();
                     // Even and odd starts, and sweeps of 1 to 8 steps.
