@@ -1,9 +1,11 @@
-//! Timings of cells in a fluid, of magnetic sums and fields, as rows that the program `speed` prints and charts are drawn from.
+//! Timings of the fluid, of cells in it, and of magnetic sums and fields, as rows that the program `speed` prints and charts
+//! are drawn from.
 
 pub mod cells;
 pub mod dipoles;
 pub mod far_field;
 pub mod field;
+pub mod fluid;
 
 use crate::Fault;
 use std::time::Instant;

@@ -13,6 +13,7 @@ mod kernels;
 mod leak;
 mod loads;
 mod magnetics;
+mod open_channel;
 mod pores;
 mod profile;
 mod rigid;
@@ -58,6 +59,7 @@ pub const CASES: &[(&str, Case)] = &[
     ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
     ("couette", Case::Alone(loads::couette)),
     ("sphere_loads", Case::Alone(loads::sphere_loads)),
+    ("open_channel", Case::Alone(open_channel::open_channel)),
     ("cavity_2d_ghia", Case::Rows(cavity::cavity_2d_ghia)),
     ("cavity_3d_re1000", Case::Rows(cavity::cavity_3d_re1000)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),

@@ -28,16 +28,30 @@ impl Noise {
     pub fn normal(&self, index: u64) -> Vec3 {
         let mut generator = self.step.clone();
         generator.set_word_pos(u128::from(index) * WORDS);
-        // In (0, 1]: 53 bits.
-        let mut uniform = || ((generator.next_u64() >> 11) as f64 + 1.0) / (1u64 << 53) as f64;
-        let mut pair = || {
-            let (radius, angle) = ((-2.0 * uniform().ln()).sqrt(), std::f64::consts::TAU * uniform());
-            (radius * angle.cos(), radius * angle.sin())
-        };
-        let (x, y) = pair();
-        let (z, _) = pair();
+        let [x, y] = pair(&mut generator);
+        let [z, _] = pair(&mut generator);
         Vec3::new(x, y, z)
     }
+
+    /// Fills `to` with independent normal numbers of one index: those of number `index` of pieces of this length, of which a step
+    /// has one after the other.
+    pub fn fill(&self, index: u64, to: &mut [f64]) {
+        let mut generator = self.step.clone();
+        let words = 4 * to.len().div_ceil(2) as u128;
+        generator.set_word_pos(u128::from(index) * words);
+        for two in to.chunks_mut(2) {
+            let pair = pair(&mut generator);
+            two.copy_from_slice(&pair[..two.len()]);
+        }
+    }
+}
+
+/// Two independent normal numbers, of four words of the stream.
+fn pair(generator: &mut ChaCha8Rng) -> [f64; 2] {
+    // In (0, 1]: 53 bits.
+    let mut uniform = || ((generator.next_u64() >> 11) as f64 + 1.0) / (1u64 << 53) as f64;
+    let (radius, angle) = ((-2.0 * uniform().ln()).sqrt(), std::f64::consts::TAU * uniform());
+    [radius * angle.cos(), radius * angle.sin()]
 }
 
 #[cfg(test)]
@@ -65,5 +79,20 @@ mod tests {
         assert!((next / n).abs() < 4.0 * (4.4 / n).sqrt());
         assert_eq!(draw(3, 8, 17), first.normal(17));
         assert_ne!(draw(4, 8, 17), first.normal(17));
+    }
+
+    #[test]
+    fn pieces_of_a_step_follow_each_other() {
+        let noise = Noise::new(5, 2);
+        let mut all = [0.0; 18];
+        noise.fill(0, &mut all);
+        let mut piece = [0.0; 6];
+        for index in 0..3 {
+            noise.fill(index as u64, &mut piece);
+            assert_eq!(piece, all[6 * index..][..6]);
+        }
+        let mut odd = [0.0; 5];
+        noise.fill(0, &mut odd);
+        assert_eq!(odd, all[..5]);
     }
 }

@@ -1,5 +1,6 @@
 //! What a fluid cannot be built with.
 
+use crate::faces::FaceError;
 use lbm_ibm_coupling::FluidError;
 
 /// Parameters that make no fluid, or one that would fail.
@@ -54,6 +55,24 @@ pub enum LbmError {
         /// Its value, per step.
         value: f64,
     },
+    /// Thermal fluctuations that are not small.
+    #[error(
+        "a node's thermal velocity is {mach:.3} of the speed of sound, at most {limit} is small: use a coarser grid, a smaller time step or a lower temperature"
+    )]
+    TooHot {
+        /// Root of the mean square of a component of the thermal velocity of a node, by the speed of sound.
+        mach: f64,
+        /// Greatest that is accepted.
+        limit: f64,
+    },
+    /// A collision that can be kept at no temperature.
+    #[error(
+        "the collision adds to fluctuations by itself (variance {least:.2e} of theirs per step would have to be taken away): use BGK, TRT or a regularised collision"
+    )]
+    NotThermal {
+        /// Least variance that noise would have to add in a step, by the variance of the populations.
+        least: f64,
+    },
     /// A collision that is not written for the lattice velocities.
     #[error("the collision {collision} is not made for {set}: take D3Q19, or central moments, which can do all")]
     NotOnThisSet {
@@ -83,6 +102,9 @@ pub enum LbmError {
         /// Superficial velocity that was asked for, m/s.
         velocity: f64,
     },
+    /// What stands at a face of the grid does not fit.
+    #[error(transparent)]
+    Face(#[from] FaceError),
     /// The processor lacks the instruction set that was asked for.
     #[error("this processor has no {wanted}: use InstructionSet::best()")]
     Unsupported {

@@ -3,6 +3,7 @@
 use crate::drive::{Balance, Drive};
 use crate::element::Precision;
 use crate::error::LbmError;
+use crate::faces::{Face, Faces, Side};
 use crate::inner::Inner;
 use crate::interpolate::Exchanged;
 use crate::isa::InstructionSet;
@@ -11,9 +12,10 @@ use crate::links::Links;
 use crate::mask::Mask;
 use crate::model::Model;
 use crate::relaxation::{Collision, VelocitySet};
-use crate::rule::WallRule;
+use crate::rule::{LinkRule, WallRule};
 use crate::stencil::Velocities;
 use crate::storage::Storage;
+use crate::thermal::Thermal;
 use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
 use std::sync::Arc;
 
@@ -60,8 +62,9 @@ pub struct Fluid {
     pub(crate) velocity_set: VelocitySet,
     pub(crate) inertia: bool,
     pub(crate) fill_narrow: bool,
-    pub(crate) wall_rule: WallRule,
+    pub(crate) wall_rule: Arc<dyn LinkRule>,
     pub(crate) mach_limit: f64,
+    pub(crate) thermal: Option<Thermal>,
     pub(crate) drive: Drive,
     pub(crate) isa: InstructionSet,
     pub(crate) kernel: Box<dyn Kernel>,
@@ -70,6 +73,7 @@ pub struct Fluid {
     /// The walls, and the time at which they were taken.
     pub(crate) walls: (Option<Arc<dyn Boundary>>, f64),
     pub(crate) mask: Mask,
+    pub(crate) faces: Faces,
     pub(crate) links: Links,
     pub(crate) balances: Vec<Balance>,
     /// What thin walls have sent and got in the last step.
@@ -127,7 +131,7 @@ impl Fluid {
         }
         let mask = Mask::new(&grid, None, 0.0)?;
         mask.narrowest(&grid, None, 0.0)?;
-        let storage = Storage::new(&grid, kernel.velocities(), precision);
+        let storage = Storage::new(&grid, &mask, kernel.velocities(), precision);
         let mut fluid = Self {
             density,
             viscosity,
@@ -137,13 +141,15 @@ impl Fluid {
             velocity_set: VelocitySet::default(),
             inertia: true,
             fill_narrow: false,
-            wall_rule: WallRule::default(),
+            wall_rule: Arc::new(WallRule::default()),
             mach_limit: 0.5,
+            thermal: None,
             drive: Drive::default(),
             isa,
             kernel,
             inner: Inner::default(),
             walls: (None, 0.0),
+            faces: Faces::default(),
             links: Links::default(),
             balances: Vec::new(),
             exchanged: Vec::new(),
@@ -171,6 +177,7 @@ impl Fluid {
         collision.check(self.tau, self.velocity_set)?;
         self.collision = Some(collision);
         self.rebuild();
+        self.warm()?;
         Ok(self)
     }
 
@@ -185,6 +192,7 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         (self.collision, self.velocity_set) = (Some(collision), set);
         self.set_kernel(kernel, self.storage.precision());
+        self.warm()?;
         Ok(self)
     }
 
@@ -217,7 +225,35 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         self.collision = None;
         self.set_kernel(kernel, self.storage.precision());
+        self.warm()?;
         Ok(self)
+    }
+
+    /// Thermal fluctuations at `temperature` (K): momentum and stress of the nodes have the fluctuations of a fluid at rest at this
+    /// temperature (Adhikari et al. 2005, Duenweg, Schiller and Ladd 2007), from numbers that depend on `seed`, step and node alone.
+    /// It starts without them; a wave comes to its own within a few of its times of decay, `1/(nu k^2)`. Costs several times
+    /// the step.
+    ///
+    /// # Errors
+    /// [`LbmError::NotPositive`] for the temperature, [`LbmError::TooHot`]; [`LbmError::NotThermal`], here or where the collision is
+    /// changed after this.
+    pub fn with_temperature(mut self, temperature: f64, seed: u64) -> Result<Self, LbmError> {
+        let energy = self.density * self.grid.spacing.powi(3) * self.velocity_unit().powi(2);
+        self.thermal = Some(Thermal::new(temperature, seed, energy, self.grid.shape, &*self.kernel)?);
+        Ok(self)
+    }
+
+    /// Temperature of the fluctuations, K; 0 without.
+    pub fn temperature(&self) -> f64 {
+        self.thermal.as_ref().map_or(0.0, |t| t.temperature)
+    }
+
+    /// Finds the noise anew for another collision.
+    fn warm(&mut self) -> Result<(), LbmError> {
+        if let Some(thermal) = &self.thermal {
+            self.thermal = Some(thermal.of(&*self.kernel)?);
+        }
+        Ok(())
     }
 
     /// How the populations are stored, [`Precision::F64`] by default.
@@ -256,10 +292,20 @@ impl Fluid {
         self
     }
 
-    /// Where walls are taken to be, [`WallRule::Halfway`] by default. It holds for walls that are set from then on.
-    pub fn with_wall_rule(mut self, rule: WallRule) -> Self {
-        self.wall_rule = rule;
+    /// Where walls are taken to be, [`WallRule::Cli`] by default: one of [`WallRule`], or a rule of one's own. It holds for
+    /// walls that are set from then on.
+    pub fn with_wall_rule(mut self, rule: impl LinkRule + 'static) -> Self {
+        self.wall_rule = Arc::new(rule);
         self
+    }
+
+    /// What stands at a face of the grid; see [`Fluid::set_face`].
+    ///
+    /// # Errors
+    /// As for [`Fluid::set_face`].
+    pub fn with_face(mut self, axis: usize, side: Side, face: Face) -> Result<Self, LbmError> {
+        self.set_face(axis, side, face)?;
+        Ok(self)
     }
 
     /// What drives the flow; see [`Fluid::set_drive`].
@@ -317,6 +363,34 @@ impl Fluid {
         Ok(())
     }
 
+    /// Changes what stands at the face at an end of an axis (0 to 2) that is not periodic, at any time; [`Face::Wall`] by
+    /// default. The flow goes on as it is. Links are found anew, so a face that varies in every step costs more than the step.
+    ///
+    /// # Errors
+    /// [`LbmError::NotFinite`] and [`LbmError::NotPositive`] for the numbers of a face; [`LbmError::Face`] for an axis that has no such face, a
+    /// velocity that is not finite or too fast, a flux through a face without fluid. That what goes in and out is not the
+    /// same, with no face to let the rest go, is an error of the next step, for more faces may be to come.
+    pub fn set_face(&mut self, axis: usize, side: Side, face: Face) -> Result<(), LbmError> {
+        Faces::check(&self.grid, axis, &face)?;
+        self.faces.0[axis][side as usize] = face;
+        self.mask.walled = self.faces.walled();
+        self.link();
+        match self.links.openings.fault_without_balance() {
+            Some(fault) => Err(fault.into()),
+            None => Ok(()),
+        }
+    }
+
+    /// What stands at the face at an end of an axis (0 to 2); none if there is no such axis.
+    pub fn face(&self, axis: usize, side: Side) -> Option<&Face> {
+        self.faces.0.get(axis).map(|ends| &ends[side as usize])
+    }
+
+    /// What flowed into the box through the open face at an end of an axis (0 to 2) in the last step, m3/s.
+    pub fn inflow(&self, axis: usize, side: Side) -> f64 {
+        self.links.openings.mass((axis, side as usize)) * self.velocity_unit() * self.grid.spacing.powi(2)
+    }
+
     /// What drives the flow.
     pub fn drive(&self) -> Drive {
         self.drive
@@ -328,8 +402,8 @@ impl Fluid {
     }
 
     /// Where walls are taken to be.
-    pub fn wall_rule(&self) -> WallRule {
-        self.wall_rule
+    pub fn wall_rule(&self) -> &dyn LinkRule {
+        &*self.wall_rule
     }
 
     /// Relaxation time, in time steps.

@@ -28,6 +28,9 @@ pub trait Kernel: Send + Sync {
     /// The stencil.
     fn velocities(&self) -> Velocities;
 
+    /// The derivative of the collided populations by those before, about rest, row after row.
+    fn derivative(&self) -> Vec<f64>;
+
     /// The same model with another instruction set, which must be available, or another precision.
     fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel>;
 }
@@ -121,9 +124,32 @@ where
         Velocities::of::<M::Stencil, Q>()
     }
 
+    fn derivative(&self) -> Vec<f64> {
+        derivative(&self.model)
+    }
+
     fn rebuilt(&self, isa: InstructionSet, precision: Precision) -> Box<dyn Kernel> {
         compiled::<M, LEAN, Q>(self.model.clone(), isa, precision)
     }
+}
+
+/// See [`Kernel::derivative`]: central differences, so small that what is not linear vanishes.
+fn derivative<M: Model<Q>, const Q: usize>(model: &M) -> Vec<f64> {
+    let step = 1e-6;
+    let mut all = vec![0.0; Q * Q];
+    for j in 0..Q {
+        let moved = |by: f64| {
+            let mut f = [0.0; Q];
+            f[j] = by;
+            model.collide::<f64, false>(&mut f, [0.0; 3]);
+            f
+        };
+        let (high, low) = (moved(step), moved(-step));
+        for i in 0..Q {
+            all[i * Q + j] = (high[i] - low[i]) / (2.0 * step);
+        }
+    }
+    all
 }
 
 /// Functions compiled with the instructions of a set.

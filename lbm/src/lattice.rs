@@ -5,11 +5,13 @@ use crate::fluid::Fluid;
 use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
 use crate::mask::Mask;
+use crate::open::Settings;
 use crate::parallel;
 use crate::step::Step;
 use crate::sweep::Sweep;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Noise, Vec3, WallReport,
+    Wrench,
 };
 use std::sync::Arc;
 
@@ -18,7 +20,7 @@ const FEW_NODES: usize = 8192;
 /// Fraction of the mass that interpolated links have gained which they give back in a step.
 const PAYBACK: f64 = 1.0 / 256.0;
 /// Numbers of steps that a sweep may take.
-const SWEEPS: [usize; 3] = [4, 3, 2];
+const SWEEPS: [usize; 5] = [8, 6, 4, 3, 2];
 /// Rows that a thread takes at a time.
 const PIECE: usize = 16;
 
@@ -42,7 +44,7 @@ impl Lattice for Fluid {
     fn set_walls(&mut self, walls: Option<Arc<dyn Boundary>>, t: f64) -> Result<WallReport, FluidError> {
         let shared = walls;
         let walls = shared.as_deref();
-        let mut mask = Mask::new(&self.grid, walls, t)?;
+        let mut mask = Mask::new(&self.grid, walls, t)?.with_walled(self.faces.walled());
         let filled_nodes = if self.fill_narrow {
             mask.fill_narrow(&self.grid, walls, t)?
         } else {
@@ -51,10 +53,13 @@ impl Lattice for Fluid {
         let narrowest = mask.narrowest(&self.grid, walls, t)?;
         self.walls = (shared, t);
         self.replace_mask(mask);
+        if let Some(fault) = self.links.openings.fault_without_balance() {
+            return Err(FluidError::Other(Box::new(fault)));
+        }
         Ok(WallReport {
             fluid_nodes: self.mask.fluid_nodes,
             solid_nodes: self.grid.len() - self.mask.fluid_nodes,
-            wall_links: self.links.walls.len(),
+            wall_links: self.links.walls.len() - self.links.openings.links.len(),
             narrowest,
             filled_nodes,
             uninterpolated_links: self.links.uninterpolated,
@@ -78,6 +83,7 @@ impl Lattice for Fluid {
 
     fn advance(&mut self, bricks: &Bricks) -> Result<(), FluidError> {
         self.start_step();
+        self.read_faces()?;
         let mut balances = std::mem::take(&mut self.balances);
         let step = self.step(bricks);
         let (few, odd) = (self.mask.fluid_nodes < FEW_NODES, self.odd);
@@ -86,6 +92,8 @@ impl Lattice for Fluid {
             unsafe { step.rows(first, balances, odd) }
         });
         self.balances = balances;
+        // SAFETY: all rows are done, and `self` is exclusive.
+        unsafe { self.links.openings.write(&self.storage, self.odd) };
         self.interpolate();
         self.odd = !self.odd;
         self.steps += 1;
@@ -168,8 +176,22 @@ impl Lattice for Fluid {
 }
 
 impl Fluid {
+    /// Reads what open faces need of the flow before a step.
+    fn read_faces(&mut self) -> Result<(), FluidError> {
+        if let Some(fault) = self.links.openings.fault {
+            return Err(FluidError::Other(Box::new(fault)));
+        }
+        let settings = Settings {
+            tau: self.tau,
+            inertia: self.inertia,
+            force: self.force.map(|f| f[0]),
+        };
+        self.links.openings.read(&self.storage, self.odd, settings);
+        Ok(())
+    }
+
     /// Takes several steps without bodies. Where the flow is driven by a force and walls are half way between nodes, up to
-    /// four steps go in one sweep over the memory, which is faster where the populations are larger than the caches; the
+    /// eight steps go in one sweep over the memory, which is faster where the populations are larger than the caches; the
     /// result is the same to the last bit.
     ///
     /// # Errors
@@ -198,6 +220,7 @@ impl Fluid {
             force_scale: self.force_scale(),
             uniform: self.force.map(|f| f[0]),
             tally: self.drive.is_flux(),
+            thermal: self.thermal.as_ref().map(|t| (t, Noise::new(t.seed, self.steps))),
         }
     }
 
@@ -206,8 +229,11 @@ impl Fluid {
         let simple = bricks.is_empty()
             && self.inner.inside.is_empty()
             && !self.drive.is_flux()
+            && self.thermal.is_none()
             && self.links.cuts.is_empty()
             && self.links.thin.is_empty()
+            && self.links.openings.links.is_empty()
+            && self.links.openings.fault.is_none()
             && self.mask.fluid_nodes >= FEW_NODES;
         let [_, ny, nz] = self.grid.shape;
         let fits = |steps: &usize| *steps <= most && Sweep::fits([ny, nz], *steps);
@@ -333,6 +359,8 @@ impl Fluid {
             &self.exchanged,
             self.storage.velocities(),
         ));
+        let faces = self.links.openings.momentum(self.storage.velocities());
+        (0..3).for_each(|a| sum.walls[a] += faces[a]);
         self.bodies = sum.bodies;
         let Drive::Flux(target) = self.drive else { return Ok(()) };
         let (nodes, all) = (self.mask.fluid_nodes as f64, self.grid.len() as f64);

@@ -12,20 +12,26 @@
 //! touched. Results do not depend on the number of threads, to the last bit.
 
 mod collide;
+mod developed;
 mod drive;
 mod element;
 mod error;
+mod faces;
 mod fluid;
 mod inner;
 mod interpolate;
+mod intervals;
 mod isa;
 mod kernel;
 mod lattice;
 mod links;
 mod loads;
 mod mask;
+mod memory;
 mod model;
 pub mod models;
+mod open;
+mod open_links;
 mod parallel;
 mod real;
 mod relaxation;
@@ -37,15 +43,17 @@ mod step;
 mod storage;
 mod surface;
 mod sweep;
+mod thermal;
 mod trt;
 
 pub use drive::Drive;
 pub use element::Precision;
 pub use error::LbmError;
+pub use faces::{Face, FaceError, Side};
 pub use fluid::{Fluid, LEAST_TAU, Pace};
 pub use isa::InstructionSet;
 pub use model::Model;
 pub use real::Real;
 pub use relaxation::{Collision, OddRate, VelocitySet};
-pub use rule::WallRule;
+pub use rule::{CutLink, LinkRule, Shares, WallRule};
 pub use stencil::{D2Q9, D3Q19, D3Q27, Stencil};

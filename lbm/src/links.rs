@@ -11,15 +11,21 @@
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
 use crate::collide::Places;
+use crate::developed::Developed;
+use crate::faces::Faces;
 use crate::mask::Mask;
-use crate::rule::{Shares, WallRule};
+use crate::open::Openings;
+use crate::rule::{CutLink, LinkRule, Shares};
 use crate::stencil::{Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
 
+/// A fraction this close to a half is one.
+const HALF: f64 = 1e-8;
+
 /// Two places of the same population.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Link {
     /// Where the node finds it before an odd step, and leaves the outgoing one.
     pub ghost: usize,
@@ -102,6 +108,8 @@ pub struct Links {
     pub wraps_out: Vec<Link>,
     /// Ends of rows: ghosts used by this row, to copy after an odd step.
     pub wraps_in: Vec<Link>,
+    /// Links through open faces; each is among those into walls too.
+    pub openings: Openings,
     /// Links that are halfway for want of a node behind.
     pub uninterpolated: usize,
     /// Gaps without a node.
@@ -113,19 +121,38 @@ pub struct Maker<'a> {
     pub surface: Surface<'a>,
     pub mask: &'a Mask,
     pub storage: &'a Storage,
-    pub rule: WallRule,
+    pub rule: &'a dyn LinkRule,
+    /// Relaxation time.
+    pub tau: f64,
+    pub faces: &'a Faces,
+    /// Density, kg/m3.
+    pub density: f64,
+    pub mach_limit: f64,
+    /// Profiles of the faces with a flux.
+    pub profiles: [[Option<Developed>; 2]; 3],
     /// Both ends of the links that pass thin walls, sorted.
-    severed: Vec<([usize; 3], usize)>,
+    pub severed: Vec<([usize; 3], usize)>,
 }
 
 impl<'a> Maker<'a> {
     /// For the walls as they stand.
-    pub fn new(surface: Surface<'a>, mask: &'a Mask, storage: &'a Storage, rule: WallRule) -> Self {
+    pub fn new(
+        surface: Surface<'a>,
+        mask: &'a Mask,
+        storage: &'a Storage,
+        rule: &'a dyn LinkRule,
+        faces: &'a Faces,
+    ) -> Self {
         Self {
             surface,
             mask,
             storage,
             rule,
+            faces,
+            tau: 1.0,
+            density: 0.0,
+            mach_limit: f64::INFINITY,
+            profiles: Default::default(),
             severed: Vec::new(),
         }
     }
@@ -147,6 +174,7 @@ impl<'a> Maker<'a> {
             }
         }
         self.severed.sort_unstable();
+        self.develop();
         let [_, ny, nz] = self.surface.grid.shape;
         for k in 0..nz {
             for j in 0..ny {
@@ -182,11 +210,16 @@ impl<'a> Maker<'a> {
                 links.thin.push(sides);
             }
         }
-        links.balance_pushes(self.rule, self.storage.velocities());
+        self.settle_fluxes(&mut links);
+        if links.fractions.iter().all(|f| (f - 0.5).abs() < HALF) {
+            links.fractions = Vec::new();
+        }
+        links.balance_pushes(self.rule.interpolates(), self.storage.velocities());
         links
     }
 
-    fn c(&self, i: usize) -> [isize; 3] {
+    /// Lattice velocity `i`.
+    pub fn c(&self, i: usize) -> [isize; 3] {
         self.storage.velocities().c(i).map(|c| c as isize)
     }
 
@@ -204,14 +237,14 @@ impl<'a> Maker<'a> {
             let ghost = self.storage.index(opposite(i), source, sj, sk);
             if solid {
                 let home = self.storage.index(i, x, j, k);
+                if self.add_open(node, i, Link { ghost, home }, links) {
+                    links.add_wall(Link { ghost, home }, i, 0.0, self.fraction(0.5));
+                    continue;
+                }
                 let meeting = self.meeting(node, i);
                 let cut = self.cut(node, i, Link { ghost, home }, meeting, links);
-                links.walls.push(cut.link);
-                links.directions.push(i as u8);
-                links.pushes.push(cut.shares.push * meeting.push);
-                if self.rule != WallRule::Halfway {
-                    links.fractions.push(meeting.fraction);
-                }
+                let push = cut.shares.push * meeting.push;
+                links.add_wall(cut.link, i, push, self.fraction(meeting.fraction));
                 if cut.shares != Shares::HALFWAY {
                     links.swell += cut.swell;
                     links.cuts.push(cut);
@@ -221,6 +254,11 @@ impl<'a> Maker<'a> {
                 links.wraps_in.push(Link { ghost, home });
             }
         }
+    }
+
+    /// A fraction, where fractions are kept.
+    fn fraction(&self, fraction: f64) -> Option<f64> {
+        self.rule.interpolates().then_some(fraction)
     }
 
     /// Places of the runs from number `first` on.
@@ -243,9 +281,12 @@ impl<'a> Maker<'a> {
     }
 
     fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
-        match self.rule {
-            WallRule::Halfway => self.surface.halfway(node, i),
-            _ => self.surface.meeting(node, i),
+        if !self.rule.interpolates() {
+            return self.surface.halfway(node, i);
+        }
+        match self.mirrored(node, i) {
+            Some(mirrored) => self.surface.mirrored_meeting(node, i, mirrored),
+            None => self.surface.meeting(node, i),
         }
     }
 
@@ -256,7 +297,16 @@ impl<'a> Maker<'a> {
         let o = opposite(i);
         let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
         let severed = self.severed.binary_search(&(node, o)).is_ok();
-        let shares = self.rule.shares(meeting.fraction, !solid && !severed);
+        // Through an open face something arrives too.
+        let arrives = !solid || self.is_open(node, o);
+        let velocities = self.storage.velocities();
+        let shares = self.rule.shares(&CutLink {
+            fraction: meeting.fraction,
+            behind: arrives && !severed,
+            velocity: velocities.c(i),
+            weight: velocities.weight(i),
+            tau: self.tau,
+        });
         // The places of a thin wall behind are exchanged, perhaps before they are read.
         let shares = shares.filter(|s| !severed || *s == Shares::HALFWAY);
         links.uninterpolated += usize::from(shares.is_none());
@@ -320,6 +370,21 @@ impl<'a> Maker<'a> {
 }
 
 impl Links {
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        let links = [&self.walls, &self.wraps_out, &self.wraps_in].map(|l| size_of_val(&**l));
+        links.iter().sum::<usize>()
+            + size_of_val(&*self.rows)
+            + size_of_val(&*self.runs)
+            + size_of_val(&*self.places)
+            + size_of_val(&*self.row_at)
+            + size_of_val(&*self.directions)
+            + size_of_val(&*self.pushes)
+            + size_of_val(&*self.fractions)
+            + size_of_val(&*self.cuts)
+            + size_of_val(&*self.thin)
+    }
+
     /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:
     /// at home before an even step, in the neighbours before an odd one, there in the array of the opposite population.
     #[inline(always)]
@@ -358,6 +423,13 @@ impl Links {
         ]
     }
 
+    fn add_wall(&mut self, link: Link, direction: usize, push: f64, fraction: Option<f64>) {
+        self.walls.push(link);
+        self.directions.push(direction as u8);
+        self.pushes.push(push);
+        self.fractions.extend(fraction);
+    }
+
     fn add_runs(&mut self, solid: &[bool]) {
         let mut x = 0;
         for part in solid.chunk_by(|a, b| a == b) {
@@ -370,12 +442,12 @@ impl Links {
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
     /// they are.
-    fn balance_pushes(&mut self, rule: WallRule, velocities: Velocities) {
+    fn balance_pushes(&mut self, interpolates: bool, velocities: Velocities) {
         let sides = || self.thin.iter().flatten();
         let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
         if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {
             self.pushes.clear();
-        } else if rule != WallRule::Halfway {
+        } else if interpolates {
             let directions = self.directions.iter().map(|d| usize::from(*d));
             let weights = directions
                 .chain(sides().map(|s| s.cut.direction))

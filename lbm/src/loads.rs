@@ -46,6 +46,7 @@ impl Fluid {
             parts: Vec::new(),
         };
         let mut links = self.links.walls.iter().zip(&self.links.directions).enumerate();
+        let mut open = self.links.openings.links.iter().map(|o| o.wall).peekable();
         for row in &self.links.rows {
             for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
                 for i in 1..self.storage.velocities().q() {
@@ -58,6 +59,9 @@ impl Fluid {
                         return loads.parts;
                     };
                     debug_assert_eq!(usize::from(*direction), i);
+                    if open.next_if_eq(&n).is_some() {
+                        continue;
+                    }
                     let fraction = self.links.fractions.get(n).copied().unwrap_or(0.5);
                     let (ghost, home) = (self.storage.get(link.ghost), self.storage.get(link.home));
                     // After an even step what goes out stands at home, after an odd one what returns.

@@ -14,6 +14,8 @@ pub struct Mask {
     solid: Vec<bool>,
     /// Nodes of the grid within a link's length of a wall.
     close: Vec<bool>,
+    /// Which faces of the grid are walls: low and high end of each axis.
+    pub walled: [[bool; 2]; 3],
     /// Number of nodes in the fluid.
     pub fluid_nodes: usize,
 }
@@ -40,6 +42,7 @@ impl Mask {
         let mut mask = Self {
             shape: grid.shape,
             solid: vec![true; (nx + 2) * (ny + 2) * (nz + 2)],
+            walled: [[true; 2]; 3],
             close: near.iter().flatten().map(|[_, close]| *close).collect(),
             fluid_nodes: grid.len() - solid_nodes,
         };
@@ -60,6 +63,17 @@ impl Mask {
             }
         }
         Ok(mask)
+    }
+
+    /// Faces that are not walls bound no gap.
+    pub fn with_walled(mut self, walled: [[bool; 2]; 3]) -> Self {
+        self.walled = walled;
+        self
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.solid.len() + self.close.len()
     }
 
     fn index(&self, i: isize, j: isize, k: isize) -> usize {
@@ -181,6 +195,7 @@ impl Mask {
                         t,
                         axis,
                         node,
+                        walled: self.walled[axis],
                     };
                     for [start, len] in self.runs(&line) {
                         run(&line, start, len);
@@ -229,6 +244,8 @@ struct Line<'a> {
     t: f64,
     axis: usize,
     node: [isize; 3],
+    /// Whether the faces at its ends are walls.
+    walled: [bool; 2],
 }
 
 impl Line<'_> {
@@ -250,7 +267,7 @@ impl Line<'_> {
     fn depth(&self, s: isize, side: f64) -> Option<f64> {
         let n = self.grid.shape[self.axis] as isize;
         if !self.grid.periodic[self.axis] && !(0..n).contains(&s) {
-            return Some(0.5 * self.grid.spacing);
+            return self.walled[usize::from(s >= n)].then_some(0.5 * self.grid.spacing);
         }
         let mut at = self.node;
         at[self.axis] = s.rem_euclid(n);

@@ -1,5 +1,79 @@
 //! How a wall sends populations back.
 
+use std::fmt;
+
+/// A link that a wall cuts, as a [`LinkRule`] sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CutLink {
+    /// Where the wall cuts it, as a fraction of the way from the fluid node to the solid one.
+    pub fraction: f64,
+    /// Whether there is a fluid node behind the fluid node, away from the wall, or an open face.
+    pub behind: bool,
+    /// Lattice velocity of the population that returns.
+    pub velocity: [i32; 3],
+    /// Its weight.
+    pub weight: f64,
+    /// Relaxation time of the shear, in time steps.
+    pub tau: f64,
+}
+
+/// What returns from a cut link, as shares of populations.
+///
+/// With `f_o` the population that goes out to the wall and `f_i` the one that returns, `x` the fluid node and `y` the node behind
+/// it, and a star after collision, `f_i(x, t + 1)` is
+/// `f*_o(x) + arriving (f*_o(y) - f*_o(x)) + leaving (f*_i(x) - f*_o(x)) + push 6 w_i c_i.u_wall`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Of the population that goes to the wall from the node behind.
+    pub arriving: f64,
+    /// Of the one that leaves the wall from the node itself.
+    pub leaving: f64,
+    /// Factor of what a moving wall adds.
+    pub push: f64,
+}
+
+impl Shares {
+    /// Those of halfway bounce-back.
+    pub const HALFWAY: Self = Self {
+        arriving: 0.0,
+        leaving: 0.0,
+        push: 1.0,
+    };
+}
+
+/// How walls send populations back; [`WallRule`] has the usual ones.
+///
+/// It is asked once for each link when walls are set, so it may be as slow as it likes. A wall that the rule takes to be half
+/// way should have [`Shares::HALFWAY`] to the last bit: such a link costs nothing.
+///
+/// ```
+/// use lbm_ibm_lbm::{CutLink, LinkRule, Shares};
+///
+/// /// Bouzidi's where the wall is near, else halfway.
+/// #[derive(Debug)]
+/// struct NearWalls;
+///
+/// impl LinkRule for NearWalls {
+///     fn shares(&self, link: &CutLink) -> Option<Shares> {
+///         let near = link.fraction < 0.5;
+///         let arriving = if near { 1.0 - 2.0 * link.fraction } else { 0.0 };
+///         (link.behind || !near).then_some(Shares { arriving, ..Shares::HALFWAY })
+///     }
+/// }
+/// ```
+pub trait LinkRule: fmt::Debug + Send + Sync {
+    /// The shares of a link; none where the rule would need the node behind and there is none: such a link is halfway, and
+    /// counted in [`WallReport::uninterpolated_links`](lbm_ibm_coupling::WallReport::uninterpolated_links).
+    fn shares(&self, link: &CutLink) -> Option<Shares>;
+
+    /// Whether it asks where walls cut links. If not, every fraction is 1/2, moving walls are not balanced (see
+    /// [`WallRule`]), and walls are set faster.
+    fn interpolates(&self) -> bool {
+        true
+    }
+}
+
 /// What a wall sends back along a link that it cuts at the fraction `q` of the way from the fluid node to the solid one.
 ///
 /// All rules know where the wall is to second order, if it is where the rule takes it to be. The outgoing population is
@@ -21,46 +95,24 @@
 pub enum WallRule {
     /// Halfway bounce-back (Ladd 1994), `f_i(x) = f*_o(x)`: the wall is taken to be half way, wherever it is. For flat walls
     /// along the grid.
-    #[default]
     Halfway,
     /// Linear interpolation of Bouzidi, Firdaouss and Lallemand (2001): `2 q f*_o(x) + (1 - 2 q) f*_o(y)` where `q` is less
     /// than 1/2, else `(f*_o(x) + (2 q - 1) f*_i(x))/(2 q)`. The wall moves with tau.
     Bouzidi,
     /// Central linear interpolation, CLI (Ginzburg, Verhaeghe and d'Humieres 2008):
     /// `f*_o(x) + (1 - 2 q)/(1 + 2 q) (f*_o(y) - f*_i(x))`. In a steady flow without inertia at a fixed magic number the
-    /// wall does not move with tau. For curved and inclined walls.
+    /// wall does not move with tau. For curved and inclined walls; where the wall is half way, it is [`WallRule::Halfway`].
+    #[default]
     Cli,
-}
-
-/// Shares of a rule at a cut: what returns is the outgoing population, plus these times the amount by which another one
-/// exceeds it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shares {
-    /// Of the population that goes to the wall from the node behind.
-    pub arriving: f64,
-    /// Of the one that leaves the wall from the node itself.
-    pub leaving: f64,
-    /// Factor of what a moving wall adds.
-    pub push: f64,
-}
-
-impl Shares {
-    /// Those of halfway bounce-back.
-    pub const HALFWAY: Self = Self {
-        arriving: 0.0,
-        leaving: 0.0,
-        push: 1.0,
-    };
 }
 
 /// A cut this close to half way is half way.
 const SAME: f64 = 1e-8;
 
-impl WallRule {
-    /// Shares for a cut at `q` of the link, `open` telling whether there is a fluid node behind. `None` where the rule would
-    /// need that node.
-    pub fn shares(self, q: f64, open: bool) -> Option<Shares> {
-        if self == Self::Halfway || (q - 0.5).abs() < SAME {
+impl LinkRule for WallRule {
+    fn shares(&self, link: &CutLink) -> Option<Shares> {
+        let q = link.fraction;
+        if *self == Self::Halfway || (q - 0.5).abs() < SAME {
             return Some(Shares::HALFWAY);
         }
         match self {
@@ -72,7 +124,7 @@ impl WallRule {
                     push: 1.0 - leaving,
                 })
             }
-            _ if !open => None,
+            _ if !link.behind => None,
             Self::Bouzidi => Some(Shares {
                 arriving: 1.0 - 2.0 * q,
                 ..Shares::HALFWAY
@@ -87,11 +139,25 @@ impl WallRule {
             }
         }
     }
+
+    fn interpolates(&self) -> bool {
+        *self != Self::Halfway
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn link(fraction: f64, behind: bool) -> CutLink {
+        CutLink {
+            fraction,
+            behind,
+            velocity: [1, 0, 0],
+            weight: 1.0 / 18.0,
+            tau: 1.0,
+        }
+    }
 
     /// A linear shear with its zero at the cut, at a relaxation time of one, where collided populations are equilibria: `s`
     /// cells from the wall the one that leaves it is `s`, the one that goes to it `-s`. What returns has to be the one that
@@ -100,7 +166,7 @@ mod tests {
     fn a_linear_shear_stays() {
         for rule in [WallRule::Cli, WallRule::Bouzidi] {
             for q in [0.1_f64, 0.3, 0.49, 0.51, 0.9, 1.0] {
-                let shares = rule.shares(q, true).unwrap();
+                let shares = rule.shares(&link(q, true)).unwrap();
                 let (own, arriving, leaving) = (-q, -(q + 1.0), q);
                 let back = own + shares.arriving * (arriving - own) + shares.leaving * (leaving - own);
                 assert!((back - (q - 1.0)).abs() < 1e-14, "{rule:?} {q}: {back}");
@@ -111,9 +177,9 @@ mod tests {
     #[test]
     fn all_rules_are_one_half_way() {
         for rule in [WallRule::Halfway, WallRule::Bouzidi, WallRule::Cli] {
-            assert_eq!(rule.shares(0.5, false), Some(Shares::HALFWAY));
+            assert_eq!(rule.shares(&link(0.5, false)), Some(Shares::HALFWAY));
         }
-        assert_eq!(WallRule::Cli.shares(0.3, false), None);
-        assert!(WallRule::Bouzidi.shares(0.7, false).is_some());
+        assert_eq!(WallRule::Cli.shares(&link(0.3, false)), None);
+        assert!(WallRule::Bouzidi.shares(&link(0.7, false)).is_some());
     }
 }

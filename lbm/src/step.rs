@@ -8,7 +8,8 @@ use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Inside};
+use crate::thermal::Thermal;
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Bricks, Inside, Noise};
 use std::ops::Range;
 
 /// Most nodes whose forces are gathered at a time.
@@ -31,6 +32,8 @@ pub struct Step<'a> {
     pub uniform: [f64; 3],
     /// Whether the balance of momentum is wanted.
     pub tally: bool,
+    /// Fluctuations, and the noise of this step.
+    pub thermal: Option<(&'a Thermal, Noise)>,
 }
 
 /// A run, and what will be collided after it: the places of its row, and its first node.
@@ -91,13 +94,24 @@ impl Step<'_> {
         for run in row.runs.clone() {
             let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
             let work = self.look_ahead((run, odd), next, ahead);
-            let run = &self.links.runs[run];
+            let (run, places) = (&self.links.runs[run], work.places);
             // SAFETY: the places of this run are ours.
             unsafe {
                 if run.start < inside.0[1] && inside.0[0] < run.end {
                     self.run_of_levels(row, run, inside, touched, work, &mut balance);
                 } else {
                     self.run(row, run, touched, work, &mut balance);
+                }
+            }
+            if let Some((thermal, noise)) = &self.thermal {
+                let at = [row.j, row.k];
+                // SAFETY: the places of this run are ours, and its nodes have collided.
+                unsafe {
+                    match self.storage.precision() {
+                        Precision::F64 => thermal.agitate::<f64>(noise, places, at, run.clone()),
+                        Precision::F32 => thermal.agitate::<f32>(noise, places, at, run.clone()),
+                        Precision::F16 => thermal.agitate::<Half>(noise, places, at, run.clone()),
+                    }
                 }
             }
         }

@@ -72,6 +72,27 @@ impl Surface<'_> {
         }
     }
 
+    /// Where the link meets the wall if the scene is mirrored at the open faces by which the link leaves the grid;
+    /// `mirrored` is its direction beyond them. Half way where there is no wall to be seen.
+    pub fn mirrored_meeting(&self, node: [usize; 3], i: usize, mirrored: usize) -> Meeting {
+        let (a, b) = self.ends(node, i);
+        let middle = 0.5 * (a + b);
+        if let Some((s, at)) = self.first_cut(a, middle) {
+            return self.at(0.5 * s, at, i);
+        }
+        let end = middle - self.velocity(mirrored) * (0.5 * self.grid.spacing);
+        match self.first_cut(middle, end) {
+            Some((s, at)) => self.at(0.5 + 0.5 * s, at, mirrored),
+            None => self.halfway(node, i),
+        }
+    }
+
+    /// Whether the link from the fluid `node` against direction `i` meets a wall within its first half, the middle included.
+    pub fn meets_by_half_way(&self, node: [usize; 3], i: usize) -> bool {
+        let (a, b) = self.ends(node, i);
+        self.first_cut(a, b).is_some_and(|(fraction, _)| fraction < 0.5 + 1e-6)
+    }
+
     /// Fraction and place of the cut, if there is a wall to be seen.
     fn first_cut(&self, a: Vec3, b: Vec3) -> Option<(f64, Vec3)> {
         let walls = self.walls?;

@@ -1,9 +1,10 @@
 //! Thermal fluctuations.
 
+use crate::collide::Places;
+use crate::element::Element;
 use crate::error::LbmError;
 use crate::kernel::Kernel;
 use crate::stencil::{MAX_Q, opposite};
-use crate::storage::Storage;
 use lbm_ibm_coupling::Noise;
 use lbm_ibm_coupling::nalgebra::DMatrix;
 use std::ops::Range;
@@ -39,7 +40,7 @@ impl Thermal {
     /// At `temperature` (K), a unit of energy (J) being that of the lattice.
     ///
     /// # Errors
-    /// [`LbmError::NotFinite`], [`LbmError::TooHot`], [`LbmError::NotThermal`].
+    /// [`LbmError::NotPositive`], [`LbmError::TooHot`], [`LbmError::NotThermal`].
     pub fn new(
         temperature: f64,
         seed: u64,
@@ -70,13 +71,17 @@ impl Thermal {
             return Err(LbmError::NotThermal { least });
         }
         let kept: Vec<usize> = (0..q).filter(|m| parts.eigenvalues[*m] > NONE).collect();
-        let share = |i: usize, m: usize| root(i) * parts.eigenvectors[(i, m)] * (variance * parts.eigenvalues[m]).sqrt();
+        let share =
+            |i: usize, m: usize| root(i) * parts.eigenvectors[(i, m)] * (variance * parts.eigenvalues[m]).sqrt();
         Ok(Self {
             temperature,
             seed,
             energy,
             shape,
-            shares: (0..q).flat_map(|i| kept.iter().map(move |m| (i, *m))).map(|(i, m)| share(i, m)).collect(),
+            shares: (0..q)
+                .flat_map(|i| kept.iter().map(move |m| (i, *m)))
+                .map(|(i, m)| share(i, m))
+                .collect(),
             modes: kept.len(),
         })
     }
@@ -93,7 +98,7 @@ impl Thermal {
     ///
     /// # Safety
     /// The places are those of the row, its nodes have collided and not been passed on, and nothing else touches them.
-    pub unsafe fn agitate(&self, storage: &Storage, noise: &Noise, places: &[usize], [j, k]: [usize; 2], run: Range<usize>) {
+    pub unsafe fn agitate<S: Element>(&self, noise: &Noise, places: &Places, [j, k]: [usize; 2], run: Range<usize>) {
         let mut numbers = [0.0; MAX_Q];
         let numbers = &mut numbers[..self.modes];
         let [nx, ny, _] = self.shape;
@@ -101,9 +106,9 @@ impl Thermal {
             noise.fill(((k * ny + j) * nx + x) as u64, numbers);
             for (i, shares) in self.shares.chunks_exact(self.modes).enumerate() {
                 let more: f64 = shares.iter().zip(&*numbers).map(|(s, n)| s * n).sum();
-                let place = places[opposite(i)].wrapping_add(x);
+                let place = places[opposite(i)].cast::<S>().wrapping_add(x);
                 // SAFETY: the place is this node's own.
-                unsafe { storage.write(place, storage.read(place) + more) };
+                unsafe { *place = S::near((*place).get() + more) };
             }
         }
     }

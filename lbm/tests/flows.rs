@@ -1,7 +1,7 @@
 //! Flows with exact solutions, and what must be conserved.
 
 use lbm_ibm_coupling::{Bricks, Closure, Grid, Lattice, Plane, Union, Vec3};
-use lbm_ibm_lbm::{Collision, Drive, Fluid, Pace};
+use lbm_ibm_lbm::{Collision, Drive, Fluid, Pace, WallRule};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -137,7 +137,8 @@ fn sliding_plates_make_a_linear_profile() {
 #[test]
 fn mass_is_conserved() {
     for periodic in [[true; 3], [true, false, false], [false; 3]] {
-        let mut fluid = water([13, 9, 9], periodic, 0.7);
+        // Interpolated walls keep it in the long run only.
+        let mut fluid = water([13, 9, 9], periodic, 0.7).with_wall_rule(WallRule::Halfway);
         let ball = Closure::new(|x: Vec3| (x - Vec3::new(6.2e-6, 4.5e-6, 4.4e-6)).norm() - 2e-6, 1e-9);
         fluid.set_walls(Some(Arc::new(ball)), 0.0).unwrap();
         fluid.set_velocity(|x| Vec3::new(0.02 * (x.y * 1e6).sin(), 0.0, 0.02 * (x.x * 1e6).cos()));
