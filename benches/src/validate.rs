@@ -15,6 +15,7 @@ mod profile;
 mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
+mod stability;
 mod stretch;
 mod unsteady;
 
@@ -53,6 +54,7 @@ pub const CASES: &[(&str, Case)] = &[
     ("slit_pore_resistance", Case::Rows(pores::slit_pore_resistance)),
     ("womersley", Case::Rows(unsteady::womersley)),
     ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
+    ("linear_stability", Case::Rows(stability::linear_stability)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),

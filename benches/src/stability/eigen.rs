@@ -55,7 +55,11 @@ fn hessenberg(a: &mut [C], n: usize) {
         if norm == 0.0 {
             continue;
         }
-        let phase = if first.norm() == 0.0 { C::new(1.0, 0.0) } else { first / first.norm() };
+        let phase = if first.norm() == 0.0 {
+            C::new(1.0, 0.0)
+        } else {
+            first / first.norm()
+        };
         for i in k + 1..n {
             v[i] = a[i * n + k];
         }
@@ -130,7 +134,9 @@ mod tests {
     #[test]
     fn circulant_matrices_and_their_disguises() {
         for n in [1, 2, 5, 9, 19, 27] {
-            let row: Vec<C> = (0..n).map(|i| C::new((1.3 * i as f64).sin(), (0.7 * i as f64).cos())).collect();
+            let row: Vec<C> = (0..n)
+                .map(|i| C::new((1.3 * i as f64).sin(), (0.7 * i as f64).cos()))
+                .collect();
             let wave = |k: usize, j: usize| C::from_polar(1.0, std::f64::consts::TAU * (k * j) as f64 / n as f64);
             let value = |k: usize| (0..n).map(|j| row[j] * wave(k, j)).sum::<C>().norm();
             let exact = (0..n).map(value).fold(0.0_f64, f64::max);
