@@ -1,8 +1,9 @@
-//! Timings of magnetic sums and fields, as rows that the program `speed` prints and charts are drawn from.
+//! Timings of the fluid and of magnetic sums and fields, as rows that the program `speed` prints and charts are drawn from.
 
 pub mod dipoles;
 pub mod far_field;
 pub mod field;
+pub mod fluid;
 
 use crate::Fault;
 use std::time::Instant;

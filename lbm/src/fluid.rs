@@ -128,7 +128,7 @@ impl Fluid {
         }
         let mask = Mask::new(&grid, None, 0.0)?;
         mask.narrowest(&grid, None, 0.0)?;
-        let storage = Storage::new(&grid, kernel.velocities(), precision);
+        let storage = Storage::new(&grid, &mask, kernel.velocities(), precision);
         let mut fluid = Self {
             density,
             viscosity,

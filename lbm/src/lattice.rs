@@ -18,7 +18,7 @@ const FEW_NODES: usize = 8192;
 /// Fraction of the mass that interpolated links have gained which they give back in a step.
 const PAYBACK: f64 = 1.0 / 256.0;
 /// Numbers of steps that a sweep may take.
-const SWEEPS: [usize; 3] = [4, 3, 2];
+const SWEEPS: [usize; 5] = [8, 6, 4, 3, 2];
 /// Rows that a thread takes at a time.
 const PIECE: usize = 16;
 
@@ -165,7 +165,7 @@ impl Lattice for Fluid {
 
 impl Fluid {
     /// Takes several steps without bodies. Where the flow is driven by a force and walls are half way between nodes, up to
-    /// four steps go in one sweep over the memory, which is faster where the populations are larger than the caches; the
+    /// eight steps go in one sweep over the memory, which is faster where the populations are larger than the caches; the
     /// result is the same to the last bit.
     ///
     /// # Errors

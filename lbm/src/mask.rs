@@ -62,6 +62,11 @@ impl Mask {
         Ok(mask)
     }
 
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.solid.len() + self.close.len()
+    }
+
     fn index(&self, i: isize, j: isize, k: isize) -> usize {
         let [nx, ny, _] = self.shape;
         ((k + 1) as usize * (ny + 2) + (j + 1) as usize) * (nx + 2) + (i + 1) as usize

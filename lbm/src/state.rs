@@ -6,7 +6,7 @@ use crate::fluid::Fluid;
 use crate::kernel::Kernel;
 use crate::links::Maker;
 use crate::mask::Mask;
-use crate::stencil::{MAX_Q, opposite};
+use crate::stencil::{MAX_Q, Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::Surface;
 use lbm_ibm_coupling::Vec3;
@@ -77,11 +77,7 @@ impl Fluid {
     pub(crate) fn replace_mask(&mut self, mask: Mask) {
         let kept = self.populations();
         self.mask = mask;
-        if !self.at_rest {
-            self.storage.clear();
-            self.put(&kept);
-        }
-        self.link();
+        self.renew(self.storage.velocities(), self.storage.precision(), &kept);
     }
 
     /// Takes another kernel; the populations are kept if they are of the same stencil, else the fluid is at rest.
@@ -94,9 +90,24 @@ impl Fluid {
         }
         self.at_rest |= !same;
         let kept = self.populations();
-        self.storage = Storage::new(&self.grid, velocities, precision);
-        self.put(&kept);
+        self.renew(velocities, precision, &kept);
+    }
+
+    /// Takes new memory for the mask as it is, and sets the populations of nodes that are in the fluid; others are at rest.
+    fn renew(&mut self, velocities: Velocities, precision: Precision, kept: &[([usize; 3], Populations)]) {
+        self.storage = Storage::new(&self.grid, &self.mask, velocities, precision);
+        self.odd = false;
         self.link();
+        for ([x, j, k], populations) in kept {
+            if self.mask.is_solid(*x as isize, *j as isize, *k as isize) {
+                continue;
+            }
+            for i in 0..velocities.q() {
+                let index = self.storage.index(i, *x as isize, *j as isize, *k as isize);
+                // SAFETY: the node is in the fluid, and `self` is exclusive.
+                unsafe { self.storage.write(index, populations[i]) };
+            }
+        }
     }
 
     /// All nodes with their populations; none if the fluid is at rest.
@@ -124,21 +135,6 @@ impl Fluid {
     fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
         let array = self.storage.arrays()[if self.odd { opposite(i) } else { i }];
         (array + x).wrapping_add_signed(self.links.places(run, self.odd)[i] as isize)
-    }
-
-    /// Sets the populations of nodes that are in the fluid, at home.
-    fn put(&mut self, nodes: &[([usize; 3], Populations)]) {
-        self.odd = false;
-        for ([x, j, k], populations) in nodes {
-            let [x, j, k] = [x, j, k].map(|i| *i as isize);
-            if self.mask.is_solid(x, j, k) {
-                continue;
-            }
-            for i in 0..self.storage.velocities().q() {
-                // SAFETY: the node is in the grid, and `self` is exclusive.
-                unsafe { self.storage.write(self.storage.index(i, x, j, k), populations[i]) };
-            }
-        }
     }
 
     /// Density less 1 and momentum without force, lattice units, of the nodes `part` of a run, written to the start of

@@ -1,9 +1,13 @@
-//! Memory of the populations: an array for each with ghost nodes, x fastest.
+//! Memory of the populations: an array for each, x fastest.
 
 use crate::element::{Element, Half, Precision};
+use crate::intervals::{Intervals, row, wrapped};
+use crate::mask::Mask;
+use crate::parallel;
+use crate::simd::MAX_LANES;
 use crate::stencil::{MAX_Q, Velocities};
 use lbm_ibm_coupling::Grid;
-use std::alloc::{Layout, alloc, dealloc, handle_alloc_error};
+use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
 
 /// Bytes of a cache line.
 const LINE: usize = 64;
@@ -11,19 +15,23 @@ const HUGE_PAGE: usize = 2 << 20;
 /// Distance of two neighbouring arrays beyond a multiple of 4 KiB, in cache lines: equal offsets would make the arrays
 /// fight for the same cache sets.
 const SKEW: usize = 27;
+/// Cache lines in 4 KiB.
+const PAGE: usize = 64;
 
-/// One array per population, with a ghost node around the grid on every side; node (0, j, k) starts a cache line.
+/// One array per population, of the places that are used ([`crate::intervals`]).
 ///
 /// The populations are stored less their weights, `f - w`, which keeps the fine digits of a slow flow.
 pub struct Storage {
-    data: *mut u8,
+    memory: *mut u8,
     layout: Layout,
+    /// Where in the memory the numbers start, and how many bytes there are.
+    data: *mut u8,
+    bytes: usize,
     precision: Precision,
     velocities: Velocities,
     arrays: [usize; MAX_Q],
-    shape: [usize; 3],
-    periodic: [bool; 3],
-    stride: usize,
+    intervals: Vec<Intervals>,
+    grid: Grid,
 }
 
 // SAFETY: the memory is owned; shared access only reads it, and writing goes through pointers whose users keep apart.
@@ -32,55 +40,68 @@ unsafe impl Send for Storage {}
 unsafe impl Sync for Storage {}
 
 impl Storage {
-    /// Whether memory for such a grid can be addressed, with room for ghosts, skew and rounding.
+    /// Whether memory for such a grid can be addressed, with room for ghosts, skew and rounding, and places have numbers of 32
+    /// bits.
     pub fn fits(shape: [usize; 3], velocities: Velocities) -> bool {
         let nodes = shape.iter().try_fold(1_usize, |n, s| n.checked_mul(s.checked_add(64)?));
-        let numbers = nodes.and_then(|n| n.checked_add(4096)?.checked_mul(velocities.q() * size_of::<f64>()));
-        numbers.is_some_and(|bytes| bytes < isize::MAX as usize - 2 * HUGE_PAGE)
+        let numbers = nodes.and_then(|n| n.checked_add(1 << 16)?.checked_mul(velocities.q() * size_of::<f64>()));
+        let addressed = numbers.is_some_and(|bytes| bytes < isize::MAX as usize - 2 * HUGE_PAGE);
+        addressed && nodes.is_some_and(|n| i32::try_from(n).is_ok())
     }
 
     /// Fluid at rest.
-    pub fn new(grid: &Grid, velocities: Velocities, precision: Precision) -> Self {
-        let [nx, ny, nz] = grid.shape;
+    pub fn new(grid: &Grid, mask: &Mask, velocities: Velocities, precision: Precision) -> Self {
         let line = LINE / precision.bytes();
-        let stride = (nx + 2).next_multiple_of(line);
-        let array = line + stride * (ny + 2) * (nz + 2);
-        let pitch = array.next_multiple_of(64 * line) + SKEW * line;
-        let bytes = velocities.q() * pitch * precision.bytes();
-        let align = if bytes >= HUGE_PAGE { HUGE_PAGE } else { 64 };
-        let layout = Layout::from_size_align(bytes.next_multiple_of(align), align)
-            .expect("the caller has asked whether it fits");
-        // SAFETY: the layout is not empty.
-        let data = unsafe { alloc(layout) };
-        if data.is_null() {
+        let unit = line.min(MAX_LANES);
+        let populations: Vec<usize> = (0..velocities.q()).collect();
+        let intervals = parallel::map(&populations, |i| Intervals::new(grid, mask, velocities, *i, unit));
+        let (mut arrays, mut end) = ([0; MAX_Q], 0);
+        for (i, intervals) in intervals.iter().enumerate() {
+            arrays[i] = end_of_page(end, line) + i * SKEW % PAGE * line;
+            // A cache line before and after, for what lies just beyond the ends of rows.
+            end = arrays[i] + intervals.len + 2 * line;
+            arrays[i] += line;
+        }
+        let bytes = (end * precision.bytes()).next_multiple_of(HUGE_PAGE.min(end * precision.bytes()));
+        let align = if bytes >= HUGE_PAGE { HUGE_PAGE } else { LINE };
+        let layout = Layout::from_size_align(bytes + align, 1).expect("the caller has asked whether it fits");
+        // SAFETY: the layout is not empty. All bits zero is 0.0. Fresh zeros cost nothing until they are used, which needs the
+        // layout without an alignment; so it is found here.
+        let memory = unsafe { alloc_zeroed(layout) };
+        if memory.is_null() {
             handle_alloc_error(layout);
         }
+        let data = memory.wrapping_add(memory.align_offset(align));
         if align == HUGE_PAGE {
-            ask_for_huge_pages(data, layout.size());
+            ask_for_huge_pages(data, bytes);
         }
-        // SAFETY: the block was allocated with this size; all bits zero is 0.0.
-        unsafe { data.write_bytes(0, layout.size()) };
         Self {
-            data,
+            memory,
             layout,
+            data,
+            bytes,
             precision,
             velocities,
-            arrays: std::array::from_fn(|i| i * pitch + line),
-            shape: grid.shape,
-            periodic: grid.periodic,
-            stride,
+            arrays,
+            intervals,
+            grid: grid.clone(),
         }
     }
 
     /// Sets all populations to rest.
     pub fn clear(&mut self) {
         // SAFETY: the block has this size, and `self` is exclusive.
-        unsafe { self.data.write_bytes(0, self.layout.size()) };
+        unsafe { self.data.write_bytes(0, self.bytes) };
     }
 
     /// Start of the memory.
     pub fn data(&self) -> *mut u8 {
         self.data
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.bytes + self.intervals.iter().map(Intervals::bytes).sum::<usize>()
     }
 
     /// What the populations are stored as.
@@ -96,7 +117,7 @@ impl Storage {
     /// The number at an index of [`Storage::index`].
     #[inline]
     pub fn get(&self, index: usize) -> f64 {
-        assert!(index < self.layout.size() / self.precision.bytes());
+        assert!(index < self.bytes / self.precision.bytes());
         // SAFETY: inside the allocation, and `self` is shared: nobody writes.
         unsafe { self.read(index) }
     }
@@ -133,7 +154,8 @@ impl Storage {
         }
     }
 
-    /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost).
+    /// Index of population `i` at node `x` of the row (`j`, `k`), each from -1 (ghost) to the number of nodes (ghost), where
+    /// it is used.
     #[inline]
     pub fn index(&self, i: usize, x: isize, j: isize, k: isize) -> usize {
         self.arrays[i].wrapping_add_signed(self.place(i, x, j, k))
@@ -141,9 +163,8 @@ impl Storage {
 
     /// The same, from the start of the array of the population.
     #[inline]
-    pub fn place(&self, _i: usize, x: isize, j: isize, k: isize) -> isize {
-        let row = (k + 1) as usize * (self.shape[1] + 2) + (j + 1) as usize;
-        (row * self.stride) as isize + x
+    pub fn place(&self, i: usize, x: isize, j: isize, k: isize) -> isize {
+        self.intervals[i].place(row(&self.grid, j, k), x)
     }
 
     /// Where the array of each population starts.
@@ -152,28 +173,22 @@ impl Storage {
         &self.arrays
     }
 
-    /// The row that stands at (`j`, `k`), each from -1 to the number of nodes: wrapped where the direction repeats, else
-    /// a ghost beyond the grid.
+    /// The row that stands at (`j`, `k`); see [`wrapped`].
     #[inline]
     pub fn wrapped(&self, j: isize, k: isize) -> [isize; 2] {
-        [self.wrap(j, 1), self.wrap(k, 2)]
+        wrapped(&self.grid, j, k)
     }
+}
 
-    #[inline]
-    fn wrap(&self, i: isize, axis: usize) -> isize {
-        let n = self.shape[axis] as isize;
-        match i {
-            -1 if self.periodic[axis] => n - 1,
-            _ if i == n && self.periodic[axis] => 0,
-            _ => i,
-        }
-    }
+/// The next multiple of 4 KiB.
+fn end_of_page(numbers: usize, line: usize) -> usize {
+    numbers.next_multiple_of(PAGE * line)
 }
 
 impl Drop for Storage {
     fn drop(&mut self) {
         // SAFETY: allocated in `new` with this layout.
-        unsafe { dealloc(self.data, self.layout) };
+        unsafe { dealloc(self.memory, self.layout) };
     }
 }
 

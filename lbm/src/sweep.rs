@@ -13,10 +13,10 @@ use crate::parallel;
 use crate::step::{Ahead, Step};
 use std::ops::Range;
 
-/// Bytes of populations that a thread works on at a time, about what its cache holds.
-const CACHE: usize = 1 << 20;
+/// Bytes of populations that a thread works on at a time, about half of what its share of the last cache holds.
+const CACHE: usize = 4 << 20;
 /// Fewest rows of a block, as a multiple of the number of steps.
-const LEAST_ROWS: usize = 3;
+const LEAST_ROWS: usize = 2;
 
 /// A sweep of several steps.
 pub struct Sweep<'a> {
@@ -135,13 +135,7 @@ impl Line<'_> {
         let [ny, nz] = self.sweep.shape.map(|n| n as isize);
         let (k, odd) = (plane.rem_euclid(nz) as usize, self.sweep.odd ^ (t % 2 == 1));
         for j in rows {
-            let j = if j < 0 {
-                j + ny
-            } else if j >= ny {
-                j - ny
-            } else {
-                j
-            };
+            let j = j.rem_euclid(ny);
             let Some(row) = self.sweep.step.links.row_at(j as usize, k) else {
                 continue;
             };

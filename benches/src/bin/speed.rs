@@ -2,18 +2,15 @@
 
 use clap::{Args, Parser, Subcommand};
 use lbm_ibm::coupling::{Bricks, Grid, Lattice, UM, Vec3};
-use lbm_ibm::lbm::{Drive, Fluid, InstructionSet};
+use lbm_ibm::lbm::{Drive, Fluid};
 use lbm_ibm_benches::Fault;
 use lbm_ibm_benches::scenes::{crowd, on_threads, plasma};
 use lbm_ibm_benches::speed::dipoles::{Rung, Sums, rungs};
 use lbm_ibm_benches::speed::far_field::{Row, far_field};
-use lbm_ibm_benches::speed::field;
+use lbm_ibm_benches::speed::{field, fluid};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// Bytes that a node update moves at least: 19 populations, read and written.
-const BYTES: f64 = 2.0 * 19.0 * 8.0;
 
 /// Speed of the bare fluid, of whole scenes, and of magnetic sums and fields.
 #[derive(Parser)]
@@ -24,11 +21,10 @@ struct Options {
 
 #[derive(Subcommand)]
 enum What {
-    /// The fluid alone: TRT, f64, a periodic cube, with and without a uniform force.
+    /// The fluid alone in a cube, with and without a uniform force, step by step and in sweeps of several steps.
     Fluid {
-        /// Nodes along each edge of the cube.
-        #[arg(long, default_value_t = 128)]
-        size: usize,
+        #[command(flatten)]
+        case: fluid::Case,
         #[command(flatten)]
         timing: Timing,
     },
@@ -93,17 +89,6 @@ struct Timing {
 }
 
 #[derive(Serialize)]
-struct FluidSpeed {
-    case: &'static str,
-    size: usize,
-    threads: usize,
-    instruction_set: String,
-    mlups: f64,
-    best_mlups: f64,
-    gigabytes_per_second: f64,
-}
-
-#[derive(Serialize)]
 struct SceneSpeed {
     size: usize,
     count: usize,
@@ -117,17 +102,14 @@ struct SceneSpeed {
 
 fn main() -> Result<(), Fault> {
     match Options::parse().what {
-        What::Fluid { size, timing } => {
-            let cases = on_threads(timing.threads, || {
-                let idle = fluid_speed("periodic", size, &timing, Drive::default())?;
-                let forced = fluid_speed("uniform force", size, &timing, Drive::Force(Vec3::x()))?;
-                Ok([idle, forced])
-            })?;
-            show(&cases, timing.json.as_deref(), |c: &FluidSpeed| {
-                let bandwidth = format!("{:.1} GB/s at {BYTES} B a node", c.gigabytes_per_second);
+        What::Fluid { case, timing } => {
+            let rows = on_threads(timing.threads, || fluid::speeds(&case, timing.threads, timing.seconds))?;
+            show(&rows, timing.json.as_deref(), |r: &fluid::Speed| {
+                let rates = format!("{:7.1} MLUPS, best {:7.1}", r.mlups, r.best_mlups);
+                let bytes = format!("{:.1} GB/s, {:.1} B a node", r.gigabytes_per_second, r.bytes_per_node);
                 format!(
-                    "{:14} {:4}^3 {} threads {:7.1} MLUPS, best {:7.1}, {bandwidth}",
-                    c.case, c.size, c.threads, c.mlups, c.best_mlups
+                    "{:22} {:?} {:?} {:?} {:4}^3 {} threads {rates}, {bytes}",
+                    r.case, r.scene, r.precision, r.collision, r.size, r.threads
                 )
             })
         }
@@ -213,21 +195,6 @@ fn fluid_times(size: usize, timing: &Timing, drive: Drive) -> Result<Vec<f64>, F
     times(timing, || {
         fluid.advance(&bricks)?;
         Ok(fluid.advance(&bricks)?)
-    })
-}
-
-fn fluid_speed(case: &'static str, size: usize, timing: &Timing, drive: Drive) -> Result<FluidSpeed, Fault> {
-    let times = fluid_times(size, timing, drive)?;
-    let rate = |seconds: f64| 2e-6 * size.pow(3) as f64 / seconds;
-    let mlups = rate(times[times.len() / 2]);
-    Ok(FluidSpeed {
-        case,
-        size,
-        threads: timing.threads,
-        instruction_set: format!("{:?}", InstructionSet::best()),
-        mlups,
-        best_mlups: rate(times[0]),
-        gigabytes_per_second: 1e-3 * mlups * BYTES,
     })
 }
 

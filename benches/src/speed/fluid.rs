@@ -1,0 +1,188 @@
+//! The fluid alone, step by step and in sweeps of several steps.
+
+use super::times;
+use crate::Fault;
+use crate::scenes::plasma;
+use clap::{Args, ValueEnum};
+use lbm_ibm::coupling::{Bricks, Closure, Grid, Lattice, UM, Vec3};
+use lbm_ibm::lbm::{Collision, Drive, Fluid, InstructionSet, Precision};
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Steps that are timed at once: an even number, since even and odd steps differ.
+const STEPS: usize = 8;
+/// Nodes along the period of the porous scene, and the radius of its spheres, which overlap.
+const PERIOD: f64 = 32.0;
+const RADIUS: f64 = 0.56 * PERIOD;
+
+/// What to run.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Case {
+    /// Nodes along each edge of the cube.
+    #[arg(long, default_value_t = 128)]
+    pub size: usize,
+    /// How populations are stored.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: Bits,
+    /// How populations relax.
+    #[arg(long, value_enum, default_value_t)]
+    pub collision: Relaxation,
+    /// What walls there are.
+    #[arg(long, value_enum, default_value_t)]
+    pub scene: Scene,
+}
+
+/// How populations are stored.
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Bits {
+    /// 64 bits.
+    #[default]
+    F64,
+    /// 32 bits.
+    F32,
+    /// 16 bits, arithmetic in 32.
+    F16,
+}
+
+/// How populations relax.
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Relaxation {
+    /// Two relaxation times.
+    #[default]
+    Trt,
+    /// One.
+    Bgk,
+}
+
+/// What walls there are.
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Scene {
+    /// None.
+    #[default]
+    Periodic,
+    /// Two plates, at the faces of the second axis.
+    Slit,
+    /// The pores between spheres that overlap, about a fifth of the box.
+    Porous,
+}
+
+/// How fast a case is.
+#[derive(Clone, Debug, Serialize)]
+pub struct Speed {
+    /// Without or with a uniform force, step by step or in sweeps.
+    pub case: String,
+    /// What walls there are.
+    pub scene: Scene,
+    /// Nodes along each edge.
+    pub size: usize,
+    /// Nodes in the fluid.
+    pub fluid_nodes: usize,
+    /// How populations are stored.
+    pub precision: Bits,
+    /// How populations relax.
+    pub collision: Relaxation,
+    /// Threads.
+    pub threads: usize,
+    /// What the kernels are compiled for.
+    pub instruction_set: String,
+    /// Million fluid nodes a second, the median.
+    pub mlups: f64,
+    /// The same, the best.
+    pub best_mlups: f64,
+    /// Populations read and written per second at the median, if none is kept in a cache, GB/s.
+    pub gigabytes_per_second: f64,
+    /// Memory of the fluid per fluid node.
+    pub bytes_per_node: f64,
+}
+
+impl Case {
+    fn fluid(&self, drive: Drive) -> Result<Fluid, Fault> {
+        let open = !matches!(self.scene, Scene::Slit);
+        let grid = Grid::new([self.size; 3], UM, [true, open, true]);
+        let precision = match self.precision {
+            Bits::F64 => Precision::F64,
+            Bits::F32 => Precision::F32,
+            Bits::F16 => Precision::F16,
+        };
+        let collision = match self.collision {
+            Relaxation::Trt => Collision::default(),
+            Relaxation::Bgk => Collision::Bgk,
+        };
+        let mut fluid = plasma(grid, 0.8, 1.0)?
+            .with_collision(collision)?
+            .with_precision(precision)
+            .with_narrow_gaps_filled()
+            .with_drive(drive)?;
+        if matches!(self.scene, Scene::Porous) {
+            let distance = |x: Vec3| {
+                let from_centre = (x / UM).map(|v| v - PERIOD * (v / PERIOD).round());
+                (from_centre.norm() - RADIUS) * UM
+            };
+            fluid.set_walls(Some(Arc::new(Closure::new(distance, 1e-3 * UM))), 0.0)?;
+        }
+        Ok(fluid)
+    }
+
+    fn speed(&self, drive: Drive, sweeps: bool, threads: usize, seconds: f64) -> Result<Speed, Fault> {
+        let mut fluid = self.fluid(drive)?;
+        let bricks = Bricks::new(fluid.grid());
+        fluid.advance_many(&bricks, STEPS)?;
+        let (times, ()) = times(seconds, || {
+            if sweeps {
+                fluid.advance_many(&bricks, STEPS)?;
+            } else {
+                (0..STEPS).try_for_each(|_| fluid.advance(&bricks))?;
+            }
+            Ok(())
+        })?;
+        let nodes = fluid.fluid_nodes();
+        let rate = |seconds: f64| 1e-6 * (STEPS * nodes) as f64 / seconds;
+        let mlups = rate(times[times.len() / 2]);
+        let force = if matches!(drive, Drive::Force(f) if f == Vec3::zeros()) {
+            "no force"
+        } else {
+            "uniform force"
+        };
+        Ok(Speed {
+            case: format!("{force}, {}", if sweeps { "sweeps" } else { "steps" }),
+            scene: self.scene,
+            size: self.size,
+            fluid_nodes: nodes,
+            precision: self.precision,
+            collision: self.collision,
+            threads,
+            instruction_set: format!("{:?}", InstructionSet::best()),
+            mlups,
+            best_mlups: rate(times[0]),
+            gigabytes_per_second: 1e-3 * mlups * self.traffic(),
+            bytes_per_node: fluid.memory() as f64 / nodes as f64,
+        })
+    }
+
+    /// Bytes that a node update moves at least: 19 populations, read and written.
+    pub fn traffic(&self) -> f64 {
+        let bytes = match self.precision {
+            Bits::F64 => 8.0,
+            Bits::F32 => 4.0,
+            Bits::F16 => 2.0,
+        };
+        2.0 * 19.0 * bytes
+    }
+}
+
+/// Without and with a uniform force, each step by step and in sweeps.
+///
+/// # Errors
+/// Those of the fluid.
+pub fn speeds(case: &Case, threads: usize, seconds: f64) -> Result<Vec<Speed>, Fault> {
+    let mut all = Vec::new();
+    for drive in [Drive::default(), Drive::Force(Vec3::x())] {
+        for sweeps in [false, true] {
+            all.push(case.speed(drive, sweeps, threads, seconds)?);
+        }
+    }
+    Ok(all)
+}
