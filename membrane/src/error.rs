@@ -143,6 +143,18 @@ pub enum MembraneError {
         /// Which patch was asked for.
         what: String,
     },
+    /// A curve has too few diameters for the moduli that are to be found.
+    #[error(
+        "{diameters} diameters cannot give {free} moduli{}; measure more, or free fewer", if *errors { "" } else { " and their own error" }
+    )]
+    TooFewData {
+        /// Diameters measured.
+        diameters: usize,
+        /// Moduli to be found.
+        free: usize,
+        /// Whether the diameters have errors.
+        errors: bool,
+    },
     /// The equilibrium search has not come to rest.
     #[error(
         "no equilibrium under {force:.3e} N after {iterations} iterations: the greatest force left on a node is {residual:.3e} N, asked was {tolerance:.3e} N; allow more iterations, a larger tolerance, or reach the force in smaller steps"

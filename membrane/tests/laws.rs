@@ -45,6 +45,7 @@ fn without_memory() -> Vec<Box<dyn Law>> {
                     .with_area_difference(m, 4e-19, 30e-6)?,
             ),
             Box::new(CorticalTension::new(m, 30e-6)?),
+            Box::new(Volume::new(m, M.volume)?.with_pressure(20.0)),
         ])
     };
     build().expect("positive moduli")
