@@ -137,6 +137,18 @@ pub enum MembraneError {
         /// Area of a sphere of this volume, m2.
         sphere_area: f64,
     },
+    /// A nucleus reaches out of its cell.
+    #[error(
+        "node {node} of the nucleus is {distance:.3e} m from the centre, the cell's membrane there {cell:.3e} m; make the nucleus smaller"
+    )]
+    NucleusOutside {
+        /// Node of the nucleus.
+        node: usize,
+        /// Its distance from the common centre, m.
+        distance: f64,
+        /// Distance of the cell's node in its direction, m.
+        cell: f64,
+    },
     /// A patch at an end of the cell holds no node.
     #[error("no node lies in the patch at an end of the cell ({what}); widen the patch or use more nodes")]
     EmptyPatch {

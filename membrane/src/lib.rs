@@ -25,6 +25,7 @@ pub mod fire;
 pub mod laws;
 mod material;
 mod mesh;
+pub mod nucleus;
 pub mod presets;
 pub mod stretch;
 

@@ -1,6 +1,8 @@
 //! A membrane by the moduli of a continuum, whatever its mesh.
 
-use crate::laws::{CorticalTension, GlobalArea, KantorNelson, LocalArea, NeoHookean, Skalak, Volume, WormLikeChain};
+use crate::laws::{
+    CorticalTension, GlobalArea, KantorNelson, LocalArea, NeoHookean, Pressure, Skalak, Volume, WormLikeChain,
+};
 use crate::{Cell, MembraneError, Mesh};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -42,8 +44,8 @@ pub struct Material {
     pub area: f64,
     /// Modulus of the cell's volume, Pa: [`Volume`].
     pub volume: f64,
-    /// Cortical tension, N/m: [`CorticalTension`]. The volume law bears the pressure that goes with it, so that a sphere is
-    /// at rest at its size.
+    /// Cortical tension, N/m: [`CorticalTension`], with the [`Pressure`] in a sphere of the cell's volume, so that a sphere is at
+    /// rest at its size.
     pub tension: f64,
 }
 
@@ -170,13 +172,13 @@ impl Material {
         if present("the modulus of the cell's area", self.area)? {
             cell = cell.with_law(GlobalArea::new(m, self.area)?);
         }
-        let mut pressure = 0.0;
         if present("the cortical tension", self.tension)? {
             cell = cell.with_law(CorticalTension::new(m, self.tension)?);
-            pressure = 2.0 * self.tension * (4.0 * PI / (3.0 * m.volume())).cbrt();
+            let curvature = (4.0 * PI / (3.0 * m.volume())).cbrt();
+            cell = cell.with_law(Pressure::new(m, 2.0 * self.tension * curvature)?);
         }
         if present("the modulus of the cell's volume", self.volume)? {
-            cell = cell.with_law(Volume::new(m, self.volume)?.with_pressure(pressure));
+            cell = cell.with_law(Volume::new(m, self.volume)?);
         }
         Ok(cell)
     }

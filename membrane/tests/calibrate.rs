@@ -1,17 +1,19 @@
 //! Calibration: moduli that made a curve come back from it, with intervals that hold them.
 
 use lbm_ibm_coupling::ImmersedBody;
-use lbm_ibm_membrane::calibrate::{Calibration, Point, TOLERANCE};
+use lbm_ibm_membrane::calibrate::{Calibration, Point};
 use lbm_ibm_membrane::stretch::{Load, Patch, Stretch};
 use lbm_ibm_membrane::{Material, MembraneError, Mesh, Modulus, presets};
 use std::sync::Arc;
 
 const PN: f64 = 1e-12;
 const UM: f64 = 1e-6;
+/// Greatest force left on a node, N: truth and fit come to rest alike, so that a coarse one serves.
+const COARSE: f64 = 1e-15;
 
 /// A small red cell held by beads.
 fn red_cell() -> Result<(Arc<Mesh>, Load), MembraneError> {
-    let preset = presets::RED_CELL.with_nodes(150);
+    let preset = presets::RED_CELL.with_nodes(120);
     let mesh = Arc::new(preset.mesh()?);
     let cell = preset.material.cell("red cell", mesh.clone())?;
     let load = Load::Beads(Patch::Chord(2.5 * UM).ends(cell.reference())?);
@@ -20,7 +22,7 @@ fn red_cell() -> Result<(Arc<Mesh>, Load), MembraneError> {
 
 /// Axial and transverse diameters of a material at forces.
 fn curve(material: &Material, mesh: &Arc<Mesh>, load: &Load, forces: &[f64]) -> Result<Vec<[f64; 2]>, MembraneError> {
-    let mut stretch = Stretch::new(material.cell("truth", mesh.clone())?, load.clone()).with_tolerance(TOLERANCE);
+    let mut stretch = Stretch::new(material.cell("truth", mesh.clone())?, load.clone()).with_tolerance(COARSE);
     forces
         .iter()
         .map(|&f| stretch.pull(f).map(|s| [s.axial, s.transverse]))
@@ -45,7 +47,7 @@ fn moduli_come_back_from_their_curve() -> Result<(), MembraneError> {
     let truth = presets::RED_CELL.material.with(Modulus::Shear, 6e-6);
     let forces = [15.0 * PN, 40.0 * PN, 80.0 * PN];
     let sizes = curve(&truth, &mesh, &load, &forces)?;
-    let cell = Calibration::new(presets::RED_CELL.material, mesh, load, vec![Modulus::Shear]);
+    let cell = Calibration::new(presets::RED_CELL.material, mesh, load, vec![Modulus::Shear]).with_tolerance(COARSE);
 
     let exact = cell.fit(&points(&forces, &sizes, &[0.0]))?;
     let shear = exact.moduli[0].1;
@@ -89,7 +91,9 @@ fn a_fit_says_which_moduli_the_data_cannot_tell_apart() -> Result<(), MembraneEr
     let forces = [20.0 * PN, 60.0 * PN];
     let sizes = curve(&material, &mesh, &load, &forces)?;
     let free = vec![Modulus::Shear, Modulus::Volume];
-    let fit = Calibration::new(material, mesh, load, free).fit(&points(&forces, &sizes, &[0.0]))?;
+    let fit = Calibration::new(material, mesh, load, free)
+        .with_tolerance(COARSE)
+        .fit(&points(&forces, &sizes, &[0.0]))?;
     println!("{fit}");
     let open: Vec<_> = fit.undetermined().collect();
     assert_eq!(open.len(), 1);
@@ -115,7 +119,7 @@ fn one_force_predicts_another_with_its_interval() -> Result<(), MembraneError> {
     let (mesh, load) = red_cell()?;
     let truth = presets::RED_CELL.material.with(Modulus::Shear, 5.2e-6);
     let sizes = curve(&truth, &mesh, &load, &[40.0 * PN, 90.0 * PN])?;
-    let cell = Calibration::new(presets::RED_CELL.material, mesh, load, vec![Modulus::Shear]);
+    let cell = Calibration::new(presets::RED_CELL.material, mesh, load, vec![Modulus::Shear]).with_tolerance(COARSE);
     let error = 0.15 * UM;
     let fit = cell.fit(&[Point::axial(40.0 * PN, sizes[0][0] + 0.8 * error, error)])?;
     let far = cell.predict(&fit, 90.0 * PN)?;

@@ -4,11 +4,14 @@ use lbm_ibm_coupling::{ImmersedBody, Soa3, enclosed_volume};
 use lbm_ibm_membrane::laws::CorticalTension;
 use lbm_ibm_membrane::presets::{self, Preset};
 use lbm_ibm_membrane::stretch::{Load, Patch, Stretch, pull};
-use lbm_ibm_membrane::{Law, Material, MembraneError, Modulus, Sheet};
+use lbm_ibm_membrane::{Material, MembraneError, Modulus, Sheet};
+
+/// Force; bar of the axial diameter; mean and curve of the transverse one, its bar.
+type Row = (f64, [f64; 2], f64, f64, [f64; 2]);
 
 /// Force (pN); bar of the axial diameter; mean of the transverse one, that of the reference curve, its bar (um): optical
 /// tweezers (Mills et al. 2004, Suresh et al. 2005, digitised by the authors of HemoCell).
-const TWEEZERS: [(f64, [f64; 2], f64, f64, [f64; 2]); 12] = [
+const TWEEZERS: [Row; 12] = [
     (
         16.0,
         [8.3522167, 10.09688],
@@ -201,7 +204,7 @@ fn every_preset_is_a_cell_at_rest() -> Result<(), MembraneError> {
 
 #[test]
 fn a_drop_with_cortical_tension_has_the_pressure_of_laplace() -> Result<(), MembraneError> {
-    // A neutrophil without the pressure that its volume law bears shrinks until kv (1 - V/V0) = 2 T/R.
+    // A neutrophil without the constant pressure inside shrinks until kv (1 - V/V0) = 2 T/R.
     let preset = presets::NEUTROPHIL.with_nodes(400);
     let mesh = std::sync::Arc::new(preset.mesh()?);
     let plain = Material {
@@ -270,13 +273,14 @@ fn moduli_of_a_material_are_those_of_its_cell() -> Result<(), MembraneError> {
 #[test]
 fn a_law_named_in_a_cell_is_there_once() -> Result<(), MembraneError> {
     let cell = presets::NEUTROPHIL.cell()?;
-    let names: Vec<&str> = cell.laws().iter().map(|law: &Box<dyn Law>| law.name()).collect();
+    let names: Vec<&str> = cell.laws().iter().map(|law| law.name()).collect();
     assert_eq!(
         names,
         [
             "neo-Hookean membrane",
             "Kantor-Nelson bending",
             "cortical tension",
+            "pressure",
             "volume"
         ]
     );

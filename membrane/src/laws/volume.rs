@@ -7,15 +7,12 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
 /// Volume elasticity: F = -kv (V - V0)/V0 S n/3 on each node of each triangle of area S and outward normal n (Dupin et al.
 /// 2007, eq. 13; kv in Pa).
 ///
-/// [`Volume::with_pressure`] adds a constant pressure p inside, E = -p (V - V0).
-///
 /// On a closed mesh that is exactly the gradient of E = kv/2 (V - V0)^2/V0, so it keeps force and torque.
 #[derive(Clone, Debug)]
 pub struct Volume {
     triangles: Vec<[u32; 3]>,
     rest: f64,
     modulus: f64,
-    pressure: f64,
 }
 
 impl Volume {
@@ -28,16 +25,7 @@ impl Volume {
             triangles: mesh.triangles().to_vec(),
             rest: mesh.volume(),
             modulus: positive("the volume modulus", modulus)?,
-            pressure: 0.0,
         })
-    }
-
-    /// The same with a constant `pressure` (Pa) inside at the rest volume, such as that which a cortical tension T makes
-    /// in a sphere of radius R, 2 T/R.
-    #[must_use]
-    pub fn with_pressure(mut self, pressure: f64) -> Self {
-        self.pressure = pressure;
-        self
     }
 }
 
@@ -47,7 +35,7 @@ impl Law for Volume {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        let pressure = self.pressure + self.modulus * (1.0 - enclosed_volume(x, &self.triangles) / self.rest);
+        let pressure = self.modulus * (1.0 - enclosed_volume(x, &self.triangles) / self.rest);
         for &triangle in &self.triangles {
             let f = twice_area(corners(x, triangle)) * (pressure / 6.0);
             for node in triangle {
@@ -57,7 +45,6 @@ impl Law for Volume {
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        let excess = enclosed_volume(x, &self.triangles) - self.rest;
-        Some(excess * (0.5 * self.modulus * excess / self.rest - self.pressure))
+        Some(0.5 * self.modulus * (enclosed_volume(x, &self.triangles) - self.rest).powi(2) / self.rest)
     }
 }
