@@ -76,7 +76,7 @@ fn a_nucleus_comes_back_to_the_middle_and_moves_no_centre() {
     let sheet = |shear: f64| Material {
         shear,
         dilation: 3.0 * shear,
-        volume: 1e3,
+        volume: 50.0,
         ..Material::none(Sheet::NeoHookean)
     };
     let motion = Motion::Overdamped { friction: 1e-8 };
