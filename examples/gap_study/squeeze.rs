@@ -5,8 +5,9 @@ use crate::empty::Empty;
 use crate::options::Drive;
 use lbm_ibm::contact::WallRepulsion;
 use lbm_ibm::coupling::nalgebra::Point3;
-use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, Vec3, View};
+use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, View};
 use lbm_ibm::membrane::Cell;
+use lbm_ibm::membrane::fire::Fire;
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -111,64 +112,42 @@ impl Pusher {
         }
     }
 
-    /// Fills the forces, and takes off their mean along x: returns the push that stands for it, N.
-    fn forces(&mut self) -> f64 {
-        self.loads.clear();
-        self.cell
-            .add_internal_forces(self.x.view(), self.v.view(), &mut self.loads.node.view_mut());
-        let view = View {
-            x: self.x.view(),
-            v: self.v.view(),
-            bodies: &[],
-            domain: &Domain::unbounded(),
-            time: 0.0,
-            time_step: 1.0,
-            step: 0,
-        };
-        self.contact.add_loads(&view, &mut self.loads);
-        let along = &mut self.loads.node.x;
-        let sum: f64 = along.iter().sum();
-        let mean = sum / along.len() as f64;
-        along.iter_mut().for_each(|f| *f -= mean);
-        -sum
-    }
-
-    /// Brings the nodes to rest by the FIRE rule (Bitzek et al., Phys. Rev. Lett. 97 (2006) 170201) with unit masses.
+    /// Brings the nodes to rest with the mean of the forces along x taken off: returns the push that stands for it and the
+    /// greatest force left on a node, N.
     fn rest(&mut self) -> (f64, f64) {
-        const MIXING: f64 = 0.1;
-        let longest = 0.5 / self.stiffness().sqrt();
-        let (mut step, mut mixing, mut downhill) = (0.3 * longest, MIXING, 0);
-        let (mut push, mut residual) = (0.0, 0.0);
-        self.v.fill(0.0);
-        for _ in 0..ROUNDS {
-            push = self.forces();
-            let f = &self.loads.node;
-            residual = f.iter().map(|f| f.norm()).fold(0.0, f64::max);
-            if residual < TOLERANCE {
-                break;
-            }
-            let dot = |a: &Soa3, b: &Soa3| a.iter().zip(b.iter()).map(|(a, b)| a.dot(&b)).sum::<f64>();
-            if dot(f, &self.v) > 0.0 {
-                let ratio = mixing * (dot(&self.v, &self.v) / dot(f, f)).sqrt();
-                for i in 0..self.v.len() {
-                    self.v.set(i, self.v.get(i) * (1.0 - mixing) + f.get(i) * ratio);
-                }
-                downhill += 1;
-                if downhill > 5 {
-                    step = (1.1 * step).min(longest);
-                    mixing *= 0.99;
-                }
-            } else {
-                self.v.fill(0.0);
-                (step, mixing, downhill) = (0.5 * step, MIXING, 0);
-            }
-            for i in 0..self.v.len() {
-                self.v.add(i, self.loads.node.get(i) * step);
-                let way: Vec3 = self.v.get(i) * step;
-                self.x.add(i, way);
-            }
-        }
-        (push, residual)
+        let fire = Fire {
+            tolerance: TOLERANCE,
+            iterations: ROUNDS,
+            time_step: 0.5 / self.stiffness().sqrt(),
+        };
+        let Self {
+            cell,
+            contact,
+            x,
+            v,
+            loads,
+        } = self;
+        let mut push = 0.0;
+        let rest = fire.rest(x, |x, f| {
+            loads.clear();
+            cell.add_internal_forces(x, v.view(), &mut loads.node.view_mut());
+            let view = View {
+                x,
+                v: v.view(),
+                bodies: &[],
+                domain: &Domain::unbounded(),
+                time: 0.0,
+                time_step: 1.0,
+                step: 0,
+            };
+            contact.add_loads(&view, loads);
+            f.clone_from(&loads.node);
+            let sum: f64 = f.x.iter().sum();
+            let mean = sum / f.len() as f64;
+            f.x.iter_mut().for_each(|f| *f -= mean);
+            push = -sum;
+        });
+        (push, rest.residual)
     }
 
     /// A bound of the stiffness of a node, N/m: that of the contact and of the cell's laws together.

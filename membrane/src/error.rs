@@ -137,11 +137,35 @@ pub enum MembraneError {
         /// Area of a sphere of this volume, m2.
         sphere_area: f64,
     },
+    /// A nucleus reaches out of its cell.
+    #[error(
+        "node {node} of the nucleus is {distance:.3e} m from the centre, the cell's membrane there {cell:.3e} m; make the nucleus smaller"
+    )]
+    NucleusOutside {
+        /// Node of the nucleus.
+        node: usize,
+        /// Its distance from the common centre, m.
+        distance: f64,
+        /// Distance of the cell's node in its direction, m.
+        cell: f64,
+    },
     /// A patch at an end of the cell holds no node.
     #[error("no node lies in the patch at an end of the cell ({what}); widen the patch or use more nodes")]
     EmptyPatch {
         /// Which patch was asked for.
         what: String,
+    },
+    /// A curve has too few diameters for the moduli that are to be found.
+    #[error(
+        "{diameters} diameters cannot give {free} moduli{}; measure more, or free fewer", if *errors { "" } else { " and their own error" }
+    )]
+    TooFewData {
+        /// Diameters measured.
+        diameters: usize,
+        /// Moduli to be found.
+        free: usize,
+        /// Whether the diameters have errors.
+        errors: bool,
     },
     /// The equilibrium search has not come to rest.
     #[error(

@@ -7,12 +7,13 @@
 //!
 //! Beside them stand laws of the physics of cells: [`NeoHookean`] and [`Skalak`] membranes with a strain energy in their
 //! plane, shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`] or [`Helfrich`], the [`CorticalTension`] of
-//! a leucocyte and the [`Viscosity`] of the membrane.
+//! a leucocyte with the [`Pressure`] that it makes, and the [`Viscosity`] of the membrane.
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
 //! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`AreaVolume`] | 0 | 0 | yes |
-//! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`], [`CorticalTension`] | 0 | 0 | yes |
+//! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`] | 0 | 0 | yes |
+//! | [`CorticalTension`], [`Pressure`] | 0 | 0 | yes |
 //! | [`Viscosity`] | 0 | 0 | no, it takes power |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
@@ -31,6 +32,7 @@ mod hinge;
 mod hyperelastic;
 mod kantor_nelson;
 mod neo_hookean;
+mod pressure;
 mod rigid;
 mod skalak;
 mod stretching;
@@ -49,6 +51,7 @@ pub use cortical::CorticalTension;
 pub use helfrich::Helfrich;
 pub use kantor_nelson::KantorNelson;
 pub use neo_hookean::NeoHookean;
+pub use pressure::Pressure;
 pub use skalak::Skalak;
 pub use stretching::Stretching;
 pub use viscosity::Viscosity;

@@ -13,21 +13,26 @@
 //!
 //! // Pull 5 % of the nodes at each end with 79 pN.
 //! let ends = stretch::Patch::Fraction(0.05).ends(cell.reference())?;
-//! let shape = stretch::pull(&cell, &ends, 79e-12)?;
+//! let shape = stretch::pull(&cell, ends, 79e-12)?;
 //! assert!((shape.axial / 16e-6 - 1.297).abs() < 0.01);
 //! # Ok::<(), lbm_ibm_membrane::MembraneError>(())
 //! ```
 
+pub mod calibrate;
 mod cell;
 mod constraint;
 mod error;
+pub mod fire;
 pub mod laws;
+mod material;
 mod mesh;
+pub mod nucleus;
 pub mod presets;
 pub mod stretch;
 
 pub use cell::Cell;
 pub use error::MembraneError;
 pub use laws::Law;
+pub use material::{Material, Modulus, Sheet};
 pub use mesh::{Disc, Edge, Mesh, Quality, Spacing};
 pub use presets::{Form, Moduli};

@@ -1,7 +1,19 @@
-//! The paper's cells, by the numbers of its Table 1.
+//! Cells with their moduli and where these come from.
 //!
-//! The table gives bare numbers. Read with lengths in um and forces in nN, and with the formulas of the software of the
-//! time, they reproduce both of the paper's calibrations; see [`crate::stretch`].
+//! The paper's two cells are [`rbc_paper`] and [`ctc_paper`], by the numbers of its Table 1. The table gives bare numbers. Read
+//! with lengths in um and forces in nN, and with the formulas of the software of the time, they reproduce both of the
+//! paper's calibrations; see [`crate::stretch`].
+//!
+//! The others are [`Preset`]s of the physics: a shape, a [`Material`](crate::Material) and its source. A value that could not be
+//! checked against its source says UNVERIFIED.
+
+mod cancer;
+mod healthy;
+mod preset;
+
+pub use cancer::{MCF7, MCF7_STRETCHER, MCF10, MCF10_STRETCHER, MOD_MCF7, MOD_MCF7_STRETCHER, PAPER_FORCE};
+pub use healthy::{CAPSULE, LYMPHOCYTE, NEUTROPHIL, PLATELET, RED_CELL};
+pub use preset::{Outline, Preset};
 
 use crate::laws::{Area2011, AreaVolume, Balanced, Bending, Bending2011, LocalArea, Reach, Stretching, Volume};
 use crate::{Cell, Disc, MembraneError, Mesh, Spacing};

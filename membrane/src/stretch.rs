@@ -1,18 +1,22 @@
-//! Static stretch: the shape of a cell whose ends are pulled apart, without a fluid.
+//! Static stretch: the shape of a cell that is pulled along x, without a fluid.
 //!
-//! Equal forces act on a patch of nodes at each end, +F along x at the one and -F at the other, as in optical tweezers.
-//! The rest shape is found by damped dynamics (FIRE: Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006), which needs forces
-//! only: the laws of 2011 have no energy to minimise. They do not keep momentum either, so the net force and torque are
-//! taken off all nodes evenly, as the friction of a fluid or a holder would; the residual is what is left.
+//! Equal forces act on a patch of nodes at each end, +F along x at the one and -F at the other, as in optical tweezers, or
+//! a stress on the surface as in an optical stretcher ([`Load`]). The rest shape is found by damped dynamics
+//! ([`Fire`](crate::fire::Fire)), which needs forces only: the laws of 2011 have no energy to minimise. They do not keep momentum
+//! either, so the net force and torque are taken off all nodes evenly, as the friction of a fluid or a holder would; the
+//! residual is what is left.
 //!
 //! How far to go matters: the last modes to come to rest are the softest, the bending of a red blood cell's cross-section.
 //! Stopped at 1e-13 N, the paper's cell is 2 to 7 % too wide and up to 18 % too thin; the default of 1e-15 N is within
 //! 0.03 % of 1e-17 N in the axial diameter and 0.4 % in the other two.
 
+mod load;
 mod patch;
 
+pub use load::Load;
 pub use patch::{Ends, Patch};
 
+use crate::fire::Fire;
 use crate::laws::take_off;
 use crate::mesh::extent;
 use crate::{Cell, MembraneError};
@@ -23,11 +27,11 @@ pub const TOLERANCE: f64 = 1e-15;
 /// Most iterations of one equilibrium, unless [`Stretch::with_iterations`] says otherwise.
 pub const ITERATIONS: usize = 30_000;
 
-/// A cell at rest under end forces.
+/// A cell at rest under a pull.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Shape {
-    /// End force, N.
+    /// Force on each half, N.
     pub force: f64,
     /// Size along the pull (x), m.
     pub axial: f64,
@@ -47,55 +51,55 @@ pub struct Shape {
     pub iterations: usize,
 }
 
-/// Pulls a copy of `cell` at rest by `force` (N) at each end.
+/// Pulls a copy of `cell` at rest by `force` (N) on each half.
 ///
 /// # Errors
 /// [`MembraneError::NoEquilibrium`].
-pub fn pull(cell: &Cell, ends: &Ends, force: f64) -> Result<Shape, MembraneError> {
-    Stretch::new(cell.clone(), ends.clone()).pull(force)
+pub fn pull(cell: &Cell, load: impl Into<Load>, force: f64) -> Result<Shape, MembraneError> {
+    Stretch::new(cell.clone(), load).pull(force)
 }
 
-/// A cell held at its ends, which keeps its shape from one force to the next: for a curve of size against force.
+/// A cell that is pulled, and keeps its shape from one force to the next: for a curve of size against force.
 #[derive(Clone, Debug)]
 pub struct Stretch {
     cell: Cell,
-    ends: Ends,
-    tolerance: f64,
-    iterations: usize,
-    time_step: f64,
+    load: Load,
+    fire: Fire,
+    /// Radius of the sphere of the cell's volume at rest, m.
+    radius: f64,
+    still: Soa3,
     x: Soa3,
-    v: Soa3,
-    f: Soa3,
 }
 
 impl Stretch {
     /// A cell at rest, not pulled yet.
-    pub fn new(cell: Cell, ends: Ends) -> Self {
+    pub fn new(cell: Cell, load: impl Into<Load>) -> Self {
         let x: Soa3 = cell.reference().iter().collect();
-        let n = x.len();
         let mut stretch = Self {
+            load: load.into(),
+            fire: Fire {
+                tolerance: TOLERANCE,
+                iterations: ITERATIONS,
+                time_step: 0.0,
+            },
+            radius: (0.75 / std::f64::consts::PI * cell.mesh().volume()).cbrt(),
+            still: Soa3::zeros(x.len()),
             cell,
-            ends,
-            tolerance: TOLERANCE,
-            iterations: ITERATIONS,
-            time_step: 0.0,
             x,
-            v: Soa3::zeros(n),
-            f: Soa3::zeros(n),
         };
-        stretch.time_step = 1.0 / stretch.stiffness().sqrt();
+        stretch.fire.time_step = 1.0 / stretch.stiffness().sqrt();
         stretch
     }
 
     /// With another greatest force (N) left on a node.
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
-        self.tolerance = tolerance;
+        self.fire.tolerance = tolerance;
         self
     }
 
     /// With another limit of iterations.
     pub fn with_iterations(mut self, iterations: usize) -> Self {
-        self.iterations = iterations;
+        self.fire.iterations = iterations;
         self
     }
 
@@ -104,72 +108,32 @@ impl Stretch {
         self.x.view()
     }
 
-    /// Lets the cell come to rest under `force` (N) at each end, from the shape it has.
+    /// Lets the cell come to rest under `force` (N) on each half, from the shape it has.
     ///
     /// # Errors
     /// [`MembraneError::NoEquilibrium`].
     pub fn pull(&mut self, force: f64) -> Result<Shape, MembraneError> {
-        const MIXING: f64 = 0.1;
-        let n = self.x.len();
-        self.v.fill(0.0);
-        let (mut mixing, mut step, mut downhill) = (MIXING, 0.2 * self.time_step, 0);
-        let (mut residual, mut done) = (f64::INFINITY, 0);
-        for iteration in 0..self.iterations {
-            let net_force = self.forces(force);
-            residual = self
-                .f
-                .iter()
-                .map(|f| f.norm())
-                .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a });
-            if residual < self.tolerance {
-                return Ok(self.shape(force, residual, net_force, iteration));
-            }
-            done = iteration + 1;
-            if !residual.is_finite() {
-                break;
-            }
-            let dot = |a: &Soa3, b: &Soa3| (0..n).map(|i| a.get(i).dot(&b.get(i))).sum::<f64>();
-            let power = dot(&self.f, &self.v);
-            if power > 0.0 {
-                let ratio = mixing * (dot(&self.v, &self.v) / dot(&self.f, &self.f)).sqrt();
-                for i in 0..n {
-                    self.v.set(i, self.v.get(i) * (1.0 - mixing) + self.f.get(i) * ratio);
-                }
-                downhill += 1;
-                if downhill > 5 {
-                    step = (1.1 * step).min(self.time_step);
-                    mixing *= 0.99;
-                }
-            } else {
-                self.v.fill(0.0);
-                (mixing, step, downhill) = (MIXING, 0.5 * step, 0);
-            }
-            for i in 0..n {
-                self.v.add(i, self.f.get(i) * step);
-                self.x.add(i, self.v.get(i) * step);
-            }
+        let Self {
+            cell,
+            load,
+            fire,
+            radius,
+            still,
+            x,
+        } = self;
+        let mut net_force = 0.0;
+        let rest = fire.rest(x, |x, f| {
+            net_force = forces(cell, load, force, *radius, x, still.view(), f);
+        });
+        if rest.settled {
+            return Ok(self.shape(force, rest.residual, net_force, rest.iterations - 1));
         }
         Err(MembraneError::NoEquilibrium {
             force,
-            residual,
-            tolerance: self.tolerance,
-            iterations: done,
+            residual: rest.residual,
+            tolerance: self.fire.tolerance,
+            iterations: rest.iterations,
         })
-    }
-
-    /// Fills in the forces under the end force, free of net force and torque; returns the internal net force, N.
-    fn forces(&mut self, force: f64) -> f64 {
-        self.f.fill(0.0);
-        self.cell
-            .add_internal_forces(self.x.view(), self.v.view(), &mut self.f.view_mut());
-        let net = self.f.iter().sum::<Vec3>().norm();
-        for (nodes, sign) in [(&self.ends.plus, 1.0), (&self.ends.minus, -1.0)] {
-            for &i in nodes {
-                self.f.x[i as usize] += sign * force / nodes.len() as f64;
-            }
-        }
-        take_off(self.x.view(), &mut self.f);
-        net
     }
 
     fn shape(&self, force: f64, residual: f64, net_force: f64, iterations: usize) -> Shape {
@@ -191,7 +155,8 @@ impl Stretch {
     /// Greatest stiffness of the cell at rest (N/m), by power iteration on differences of forces.
     fn stiffness(&mut self) -> f64 {
         let n = self.x.len();
-        let rest = self.x.clone();
+        let rest = &self.x;
+        let (mut moved, mut f) = (rest.clone(), Soa3::zeros(n));
         let small = 1e-6 * extent(rest.view()).max();
         // Any start will do that is not orthogonal to the stiffest mode; radial plus uneven is not.
         let mut p: Soa3 = rest
@@ -203,13 +168,30 @@ impl Stretch {
         for _ in 0..40 {
             let norm = p.iter().map(|p| p.norm_squared()).sum::<f64>().sqrt();
             for i in 0..n {
-                self.x.set(i, rest.get(i) + p.get(i) * (small / norm));
+                moved.set(i, rest.get(i) + p.get(i) * (small / norm));
             }
-            self.forces(0.0);
-            p = self.f.iter().map(|f| -f / small).collect();
+            f.fill(0.0);
+            forces(
+                &mut self.cell,
+                &self.load,
+                0.0,
+                self.radius,
+                moved.view(),
+                self.still.view(),
+                &mut f,
+            );
+            p = f.iter().map(|f| -f / small).collect();
             stiffness = p.iter().map(|p| p.norm_squared()).sum::<f64>().sqrt();
         }
-        self.x = rest;
         stiffness
     }
+}
+
+/// Fills in the forces under a pull, free of net force and torque; returns the internal net force, N.
+fn forces(cell: &mut Cell, load: &Load, force: f64, radius: f64, x: Soa3Ref<'_>, v: Soa3Ref<'_>, f: &mut Soa3) -> f64 {
+    cell.add_internal_forces(x, v, &mut f.view_mut());
+    let net = f.iter().sum::<Vec3>().norm();
+    load.add(x, cell.triangles(), force, radius, f);
+    take_off(x, f);
+    net
 }

@@ -159,7 +159,7 @@ fn a_search_that_does_not_end_says_how_far_it_came() {
         .expect_err("too few");
     assert!(matches!(error, MembraneError::NoEquilibrium { iterations: 10, residual, .. } if residual > 1e-15));
     assert!(error.to_string().contains("allow more iterations"), "{error}");
-    assert!(pull(&cell, &ends, 20e-12).is_ok());
+    assert!(pull(&cell, ends, 20e-12).is_ok());
     assert!(matches!(
         Patch::Fraction(0.0).ends(cell.reference()),
         Err(MembraneError::EmptyPatch { .. })

@@ -12,6 +12,8 @@ pub enum Patch {
     /// Those beyond a chord of this length (m) of the circle whose diameter is the size of the cell along the pull: a bead
     /// that touches a red blood cell's rim over 2 um holds `Chord(2e-6)`.
     Chord(f64),
+    /// Those nearer than this (m) to the outermost point of the long axis: the contact of a bead of twice this width.
+    Within(f64),
 }
 
 /// The nodes held at the two ends of a cell.
@@ -51,6 +53,13 @@ impl Patch {
                 let (middle, radius) = (0.5 * (top + bottom), 0.5 * (top - bottom));
                 let depth = (radius * radius - 0.25 * chord * chord).max(0.0).sqrt();
                 reach.iter().filter(|&&r| r - middle > depth).count()
+            }
+            Self::Within(distance) => {
+                let far = order.first().map_or(0.0, |&i| reach[i as usize]);
+                let tip = x.mean() + direction * (far - x.mean().dot(&direction));
+                let from = |i: u32| (x.get(i as usize) - tip).norm();
+                order.sort_by(|&i, &j| from(i).total_cmp(&from(j)));
+                order.iter().filter(|&&i| from(i) <= distance).count()
             }
         };
         order.truncate(count);
