@@ -6,9 +6,11 @@ use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
 use crate::mask::Mask;
 use crate::parallel;
+use crate::simd::prefetch;
 use crate::step::Step;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Wrench,
+    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Lattice, Macroscopic, Vec3, WallReport, Work, Wrench,
+    on_widest,
 };
 use std::sync::Arc;
 
@@ -66,7 +68,13 @@ impl Lattice for Fluid {
         let fluid = &*self;
         parallel::for_each_chunk(&slots, velocity, BRICK_NODES, |slot, brick, to| {
             let force = [0, 1, 2].map(|a| &force[a][slot * BRICK_NODES..][..BRICK_NODES]);
-            fluid.read_brick(brick, force, to);
+            on_widest(ReadBrick {
+                fluid,
+                brick: brick.0,
+                rows: brick.1,
+                force,
+                to,
+            });
         });
         self.slots = slots;
     }
@@ -190,31 +198,6 @@ impl Fluid {
         self.owed = [self.owed[0] + gained, self.owed[0]];
     }
 
-    /// The velocity of the rows of a brick that are in use.
-    fn read_brick(&self, (brick, rows): &([usize; 3], u64), force: [&[f64]; 3], to: [&mut [f64]; 3]) {
-        let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
-        let (unit, scale) = (self.velocity_unit(), self.force_scale());
-        let shape = self.grid.shape;
-        let end = (x + BRICK_EDGE).min(shape[0]);
-        let mut moments = [[0.0; BRICK_EDGE]; 4];
-        for k in z..(z + BRICK_EDGE).min(shape[2]) {
-            for j in y..(y + BRICK_EDGE).min(shape[1]) {
-                if rows >> ((k - z) * BRICK_EDGE + (j - y)) & 1 == 0 {
-                    continue;
-                }
-                self.moments(j, k, x..end, moments.each_mut().map(|m| m.as_mut_slice()));
-                let solid = &self.mask.row(j, k)[x..end];
-                let at = ((k - z) * BRICK_EDGE + (j - y)) * BRICK_EDGE;
-                for a in 0..3 {
-                    for (i, solid) in solid.iter().enumerate() {
-                        let half = 0.5 * (force[a][at + i] * scale + self.force[a][0]);
-                        to[a][at + i] = if *solid { 0.0 } else { (moments[a + 1][i] + half) * unit };
-                    }
-                }
-            }
-        }
-    }
-
     /// Sums what the rows have noted, in their order, and finds the force of the next step.
     fn balance(&mut self, bricks: &Bricks) -> Result<(), FluidError> {
         self.bodies = [0.0; 3];
@@ -281,5 +264,77 @@ impl Fluid {
             }
         }
         None
+    }
+}
+
+/// The velocity of the rows of a brick that are in use.
+struct ReadBrick<'a> {
+    fluid: &'a Fluid,
+    brick: [usize; 3],
+    rows: u64,
+    force: [&'a [f64]; 3],
+    to: [&'a mut [f64]; 3],
+}
+
+impl ReadBrick<'_> {
+    /// Row of the grid that a row of the brick is.
+    #[inline(always)]
+    fn row(&self, bit: usize) -> (usize, usize) {
+        let [_, y, z] = self.brick.map(|b| b * BRICK_EDGE);
+        (y + bit % BRICK_EDGE, z + bit / BRICK_EDGE)
+    }
+
+    /// The next row that is in use and in the grid.
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let [_, ny, nz] = self.fluid.grid.shape;
+        while self.rows != 0 {
+            let bit = self.rows.trailing_zeros() as usize;
+            self.rows &= self.rows - 1;
+            let (j, k) = self.row(bit);
+            if j < ny && k < nz {
+                return Some(bit);
+            }
+        }
+        None
+    }
+}
+
+impl Work for ReadBrick<'_> {
+    type Out = ();
+
+    #[inline(always)]
+    fn run(mut self) {
+        let fluid = self.fluid;
+        let x = self.brick[0] * BRICK_EDGE;
+        let end = (x + BRICK_EDGE).min(fluid.grid.shape[0]);
+        let (unit, scale) = (fluid.velocity_unit(), fluid.force_scale());
+        let mut moments = [[0.0; BRICK_EDGE]; 4];
+        let mut ahead = [self.next(), self.next()];
+        while let Some(bit) = ahead[0] {
+            // Rows are short and far apart, so that the processor would not fetch the next ones by itself.
+            ahead = [ahead[1], self.next()];
+            if let Some((j, k)) = ahead[1].map(|bit| self.row(bit)) {
+                for p in fluid.storage.places(j, k, fluid.odd) {
+                    prefetch(p.wrapping_add(x));
+                    prefetch(p.wrapping_add(x + BRICK_EDGE - 1));
+                }
+            }
+            let (j, k) = self.row(bit);
+            fluid.moments(j, k, x..end, moments.each_mut().map(|m| m.as_mut_slice()));
+            let mut fluid_node = [0.0; BRICK_EDGE];
+            for (f, solid) in fluid_node.iter_mut().zip(&fluid.mask.row(j, k)[x..end]) {
+                *f = if *solid { 0.0 } else { unit };
+            }
+            let at = bit * BRICK_EDGE..(bit + 1) * BRICK_EDGE;
+            for a in 0..3 {
+                let force = &self.force[a][at.clone()];
+                let to = &mut self.to[a][at.clone()];
+                for i in 0..BRICK_EDGE {
+                    let half = 0.5 * (force[i] * scale + fluid.force[a][0]);
+                    to[i] = (moments[a + 1][i] + half) * fluid_node[i];
+                }
+            }
+        }
     }
 }
