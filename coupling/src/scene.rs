@@ -1,10 +1,13 @@
 //! A fluid, bodies in it, walls around it and forces between them.
 
+mod elastic;
 mod limits;
 mod motion;
 mod report;
 mod rigid;
 mod step;
+
+pub use elastic::Elasticity;
 
 use crate::guard::{Guard, RestShape, outside_walls};
 use crate::{
@@ -38,6 +41,8 @@ pub struct Scene {
     step: u64,
     next_id: u32,
     guard: Guard,
+    elasticity: Elasticity,
+    workspace: elastic::Workspace,
     ready: bool,
 }
 
@@ -102,6 +107,8 @@ impl Scene {
             step: 0,
             next_id: 0,
             guard: Guard::default(),
+            elasticity: Elasticity::default(),
+            workspace: elastic::Workspace::default(),
             ready: false,
         }
     }

@@ -1,6 +1,7 @@
 //! [`DeltaExchange`], the exchange by delta kernels.
 
 use crate::forcing::Forcing;
+use crate::inset::Inset;
 use crate::kernel::Kernel;
 use crate::placement::Placement;
 use crate::stability::{inertial_step, node_radius, stable_step};
@@ -47,6 +48,7 @@ pub struct DeltaExchange {
     kernel: Kernel,
     markers: Markers,
     inset: bool,
+    elastic_inset: Option<Inset>,
     grid: Option<Grid>,
     nodes: usize,
     surfaces: Vec<Surface>,
@@ -67,6 +69,7 @@ impl DeltaExchange {
             kernel,
             markers: Markers::default(),
             inset: true,
+            elastic_inset: None,
             grid: None,
             nodes: 0,
             surfaces: Vec::new(),
@@ -90,6 +93,14 @@ impl DeltaExchange {
     /// as large as it is; they do by default.
     pub fn with_inset(mut self, inset: bool) -> Self {
         self.inset = inset;
+        self
+    }
+
+    /// Whether the markers of bodies with triangles that are not rigid sit inside their surface by
+    /// [`Kernel::hydrodynamic_shift`], so that their size and drag depend neither on the kernel nor on the grid; they do
+    /// not by default. A surface bent more sharply than that ends the run with [`ExchangeError::Fold`].
+    pub fn with_elastic_inset(mut self, inset: bool) -> Self {
+        self.elastic_inset = inset.then(Inset::default);
         self
     }
 
@@ -179,18 +190,18 @@ impl DeltaExchange {
         self.table_is_old |= changed;
         gap
     }
+}
 
-    /// Number of the body that owns a marker.
-    fn owner(&self, marker: usize) -> u32 {
-        let mut first = 0;
-        for s in &self.surfaces {
-            first += s.subdivision.len();
-            if marker < first {
-                return s.id;
-            }
+/// Number of the body that owns a marker.
+fn owner(surfaces: &[Surface], marker: usize) -> u32 {
+    let mut first = 0;
+    for s in surfaces {
+        first += s.subdivision.len();
+        if marker < first {
+            return s.id;
         }
-        0
     }
+    0
 }
 
 fn part<'a>(x: Soa3Ref<'a>, range: &Range<usize>) -> Soa3Ref<'a> {
@@ -249,6 +260,10 @@ impl Exchange for DeltaExchange {
         self.nodes = nodes;
         self.placement = Placement::default();
         self.table_is_old = true;
+        if let Some(inset) = &mut self.elastic_inset {
+            let depth = self.kernel.hydrodynamic_shift() * grid.spacing;
+            inset.set_bodies(&self.surfaces, nodes, depth);
+        }
         Ok(())
     }
 
@@ -262,11 +277,15 @@ impl Exchange for DeltaExchange {
             self.rebuild_table();
         }
         let placed = closed.and_then(|()| {
+            let x = match &mut self.elastic_inset {
+                Some(inset) => inset.place(x)?,
+                None => x,
+            };
             let support = self.kernel.support();
             self.placement
                 .place(&self.table, x, &grid, support, bricks)
                 .map_err(|(marker, position)| ExchangeError::OutsideGrid {
-                    body: self.owner(marker),
+                    body: owner(&self.surfaces, marker),
                     position: position.into(),
                 })
         });
@@ -289,8 +308,11 @@ impl Exchange for DeltaExchange {
         let field = bricks.velocity().each_ref().map(Vec::as_slice);
         transfer::interpolate_by(self.kernel, p, field, tiles, u);
         let (rank, u) = (&p.rank, &self.velocity);
-        let out = [velocity.x, velocity.y, velocity.z];
+        let out = [&mut *velocity.x, &mut *velocity.y, &mut *velocity.z];
         self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
+        if let Some(inset) = &self.elastic_inset {
+            inset.to_nodes(velocity);
+        }
     }
 
     fn spread(&mut self, force: Soa3Ref<'_>, bricks: &mut Bricks) {
@@ -300,6 +322,10 @@ impl Exchange for DeltaExchange {
         }
         self.tiles.resize(p.tile_nodes, [0.0; 4]);
         let (table, tiles) = (&self.table, &mut self.tiles);
+        let force = match &mut self.elastic_inset {
+            Some(inset) => inset.to_markers(force),
+            None => force,
+        };
         let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
         if table.is_plain() {
             let f = |m: usize| [force.x[m], force.y[m], force.z[m], 0.0];
