@@ -130,6 +130,22 @@ impl Bricks {
         }
     }
 
+    /// Sets the velocity of the rows in use to `mobility` (s/kg) times their force.
+    pub fn velocity_from_force(&mut self, mobility: f64) {
+        for (slot, &b) in self.active.iter().enumerate() {
+            let mut left = self.rows[b as usize];
+            while left != 0 {
+                let at = slot * NODES + left.trailing_zeros() as usize * EDGE;
+                for (velocity, force) in self.velocity.iter_mut().zip(&self.force) {
+                    for (u, f) in velocity[at..at + EDGE].iter_mut().zip(&force[at..]) {
+                        *u = mobility * f;
+                    }
+                }
+                left &= left - 1;
+            }
+        }
+    }
+
     /// Sum of all forces, N.
     pub fn total_force(&self) -> Vec3 {
         let sum = |a: &Vec<f64>| a.iter().sum::<f64>();

@@ -46,6 +46,18 @@ pub enum ExchangeError {
         /// Marker position, m.
         position: [f64; 3],
     },
+    /// A surface is bent so sharply that the markers inside it cross over.
+    #[error(
+        "body {body}: the surface at ({:.4e}, {:.4e}, {:.4e}) m is bent more sharply than its markers are deep, {depth:.2e} m; use a finer grid, a narrower kernel, or markers on the surface", position[0], position[1], position[2]
+    )]
+    Fold {
+        /// Body number.
+        body: u32,
+        /// Node position, m.
+        position: [f64; 3],
+        /// Depth of the markers, m.
+        depth: f64,
+    },
     /// A direction of the grid is narrower than the kernel.
     #[error(
         "the grid has {nodes} nodes along axis {axis}, the kernel covers {support}: use a finer grid or a narrower kernel"

@@ -63,6 +63,12 @@ impl Loads {
         }
     }
 
+    /// Makes room for more nodes and bodies, without loads.
+    pub(crate) fn resize(&mut self, nodes: usize, bodies: usize) {
+        self.node.resize(nodes);
+        self.body.resize(bodies, Wrench::zero());
+    }
+
     /// Back to zero, sizes kept.
     pub fn clear(&mut self) {
         self.node.fill(0.0);

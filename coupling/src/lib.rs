@@ -39,7 +39,7 @@ pub use lattice::{FluidError, Lattice, Macroscopic, WallReport};
 pub use noise::Noise;
 pub use rigid::{Rigid, RigidDrive, RigidLaw, RigidState};
 pub use run::{Finished, Run, RunError, Schedule};
-pub use scene::Scene;
+pub use scene::{Elasticity, Scene};
 pub use soa::{Soa3, Soa3Mut, Soa3Ref};
 pub use sphere::Sphere;
 

@@ -1,10 +1,13 @@
 //! A fluid, bodies in it, walls around it and forces between them.
 
+mod elastic;
 mod limits;
 mod motion;
 mod report;
 mod rigid;
 mod step;
+
+pub use elastic::Elasticity;
 
 use crate::guard::{Guard, RestShape, outside_walls};
 use crate::{
@@ -26,6 +29,8 @@ pub struct Scene {
     rigid: Vec<RigidState>,
     had_rigid: bool,
     fields: Vec<Box<dyn ForceField>>,
+    /// Nodes of all bodies at rest, each about its own origin, m.
+    reference: Soa3,
     x: Soa3,
     v: Soa3,
     fluid_velocity: Soa3,
@@ -36,6 +41,8 @@ pub struct Scene {
     step: u64,
     next_id: u32,
     guard: Guard,
+    elasticity: Elasticity,
+    workspace: elastic::Workspace,
     ready: bool,
 }
 
@@ -91,6 +98,7 @@ impl Scene {
             rigid: Vec::new(),
             had_rigid: false,
             fields: Vec::new(),
+            reference: Soa3::default(),
             x: Soa3::default(),
             v: Soa3::default(),
             fluid_velocity: Soa3::default(),
@@ -101,6 +109,8 @@ impl Scene {
             step: 0,
             next_id: 0,
             guard: Guard::default(),
+            elasticity: Elasticity::default(),
+            workspace: elastic::Workspace::default(),
             ready: false,
         }
     }
@@ -163,8 +173,9 @@ impl Scene {
             _ => None,
         };
         let rest = RestShape::of(body.reference(), body.triangles());
-        for p in placed.iter() {
+        for (p, reference) in placed.iter().zip(body.reference().iter()) {
             self.x.push(p);
+            self.reference.push(reference);
         }
         self.rigid.extend(rigid);
         self.infos.push(info);
@@ -178,6 +189,7 @@ impl Scene {
             self.bodies.pop();
             self.rigid.retain(|r| r.id != self.next_id);
             self.x.resize(start);
+            self.reference.resize(start);
             self.resize();
             self.tell_exchange()?;
             return Err(error);
@@ -193,7 +205,7 @@ impl Scene {
     pub fn remove_body(&mut self, id: u32) -> Result<(), SceneError> {
         let at = self.index(id)?;
         let range = self.infos[at].range.clone();
-        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity] {
+        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity, &mut self.reference] {
             a.x.drain(range.clone());
             a.y.drain(range.clone());
             a.z.drain(range.clone());
@@ -206,6 +218,9 @@ impl Scene {
             info.range = info.range.start - range.len()..info.range.end - range.len();
         }
         self.resize();
+        // What was of the body behind is now of another one.
+        self.on_fluid.fill(0.0);
+        self.loads.clear();
         self.tell_exchange()
     }
 
@@ -220,8 +235,8 @@ impl Scene {
         let n = self.x.len();
         self.v.resize(n);
         self.fluid_velocity.resize(n);
-        self.on_fluid = Soa3::zeros(n);
-        self.loads = Loads::new(n, self.infos.len());
+        self.on_fluid.resize(n);
+        self.loads.resize(n, self.infos.len());
         self.ready = false;
     }
 
@@ -229,15 +244,9 @@ impl Scene {
         let Some(fluid) = &mut self.fluid else {
             return Ok(());
         };
-        let mut reference = Soa3::zeros(self.x.len());
-        for (info, slot) in self.infos.iter().zip(&self.bodies) {
-            for (i, p) in info.range.clone().zip(slot.body.reference().iter()) {
-                reference.set(i, p);
-            }
-        }
         fluid
             .exchange
-            .set_bodies(&self.infos, reference.view(), fluid.lattice.grid())?;
+            .set_bodies(&self.infos, self.reference.view(), fluid.lattice.grid())?;
         self.tell_rigid()
     }
 

@@ -9,6 +9,8 @@ pub(crate) struct Axis {
     origin: f64,
     nodes: i64,
     periodic: bool,
+    /// First node at which a stencil may reach past the end of the grid, if that matters.
+    last: f64,
 }
 
 /// A run of nodes along an axis of a tile that lies in one brick.
@@ -32,7 +34,23 @@ impl Axis {
             origin: grid.origin[a],
             nodes: grid.shape[a] as i64,
             periodic: grid.periodic[a],
+            last: grid.shape[a] as f64 - if grid.periodic[a] { 0.0 } else { SEGMENTS as f64 },
         })
+    }
+
+    /// Lowest node of a stencil, a whole number, and the remainder, without regard to the ends of the grid.
+    #[inline(always)]
+    pub fn corner(&self, x: f64, per_spacing: f64, support: usize) -> (f64, f64) {
+        let t = (x - self.origin) * per_spacing - 0.5 + (1.0 - 0.5 * support as f64);
+        let lower = t.floor();
+        (lower, t - lower)
+    }
+
+    /// Whether a lowest node is one of the grid and, where the grid ends, no nearer to its last node than a stencil: no
+    /// case for [`Axis::home`].
+    #[inline(always)]
+    pub fn holds(&self, lower: f64) -> bool {
+        lower >= 0.0 && lower < self.last
     }
 
     /// Brick, corner in it and remainder of a coordinate (m); none outside the grid.

@@ -1,10 +1,11 @@
 //! [`DeltaExchange`], the exchange by delta kernels.
 
 use crate::forcing::Forcing;
+use crate::inset::Inset;
 use crate::kernel::Kernel;
 use crate::placement::Placement;
 use crate::stability::{inertial_step, node_radius, stable_step};
-use crate::subdivision::{Subdivision, edges, longest_edge};
+use crate::subdivision::{Subdivision, edges, longest, longest_edge};
 use crate::surface::{Markers, Surface, parts};
 use crate::table::{Scratch, Table};
 use crate::transfer::{self, Node};
@@ -47,10 +48,13 @@ pub struct DeltaExchange {
     kernel: Kernel,
     markers: Markers,
     inset: bool,
+    elastic_inset: Option<Inset>,
     grid: Option<Grid>,
     nodes: usize,
     surfaces: Vec<Surface>,
     table: Table,
+    /// Bodies have come, gone or been divided since the table was made.
+    table_is_old: bool,
     placement: Placement,
     tiles: Vec<Node>,
     velocity: Vec<[f64; 3]>,
@@ -65,10 +69,12 @@ impl DeltaExchange {
             kernel,
             markers: Markers::default(),
             inset: true,
+            elastic_inset: None,
             grid: None,
             nodes: 0,
             surfaces: Vec::new(),
             table: Table::default(),
+            table_is_old: false,
             placement: Placement::default(),
             tiles: Vec::new(),
             velocity: Vec::new(),
@@ -87,6 +93,14 @@ impl DeltaExchange {
     /// as large as it is; they do by default.
     pub fn with_inset(mut self, inset: bool) -> Self {
         self.inset = inset;
+        self
+    }
+
+    /// Whether the markers of bodies with triangles that are not rigid sit inside their surface by
+    /// [`Kernel::hydrodynamic_shift`], so that their size and drag depend neither on the kernel nor on the grid; they do
+    /// not by default. A surface bent more sharply than that ends the run with [`ExchangeError::Fold`].
+    pub fn with_elastic_inset(mut self, inset: bool) -> Self {
+        self.elastic_inset = inset.then(Inset::default);
         self
     }
 
@@ -118,7 +132,7 @@ impl DeltaExchange {
 
     /// Number of markers of all bodies.
     pub fn marker_count(&self) -> usize {
-        self.table.len()
+        self.surfaces.iter().map(|s| s.subdivision.len()).sum()
     }
 
     /// Each body's number and the parts into which its edges are divided. It grows as a body is stretched and never
@@ -129,14 +143,20 @@ impl DeltaExchange {
 
     /// Positions of all markers (m) for node positions `x` (m), in the order of the bodies.
     pub fn marker_positions(&self, x: Soa3Ref<'_>) -> Soa3 {
-        (0..self.table.len())
-            .map(|m| self.table.position(m, x).into())
-            .collect()
+        let of_body = |s: &Surface| {
+            let table = Table::new(s.range.len(), std::iter::once((0..s.range.len(), &s.subdivision)));
+            let x = part(x, &s.range);
+            (0..table.len())
+                .map(|m| table.position(m, x).into())
+                .collect::<Vec<_>>()
+        };
+        self.surfaces.iter().flat_map(of_body).collect()
     }
 
     fn rebuild_table(&mut self) {
         let bodies = self.surfaces.iter().map(|s| (s.range.clone(), &s.subdivision));
         self.table = Table::new(self.nodes, bodies);
+        self.table_is_old = false;
     }
 
     /// Divides stretched bodies more finely.
@@ -147,7 +167,7 @@ impl DeltaExchange {
         let mut changed = false;
         let mut gap = Ok(());
         for s in self.surfaces.iter_mut().filter(|s| !s.edges.is_empty()) {
-            let (longest, triangle) = longest_edge(part(x, &s.range), &s.edges);
+            let longest = longest(part(x, &s.range), &s.edges);
             let allowed = max_gap * spacing;
             if longest > allowed * s.division as f64 {
                 let division = parts(longest, 0.9 * allowed, max_division.max(s.division));
@@ -161,29 +181,27 @@ impl DeltaExchange {
             if gap_in_cells > limit && gap.is_ok() {
                 gap = Err(ExchangeError::MarkerGap {
                     body: s.id,
-                    triangle,
+                    triangle: longest_edge(part(x, &s.range), &s.edges).1,
                     gap_in_cells,
                     limit,
                 });
             }
         }
-        if changed {
-            self.rebuild_table();
-        }
+        self.table_is_old |= changed;
         gap
     }
+}
 
-    /// Number of the body that owns a marker.
-    fn owner(&self, marker: usize) -> u32 {
-        let mut first = 0;
-        for s in &self.surfaces {
-            first += s.subdivision.len();
-            if marker < first {
-                return s.id;
-            }
+/// Number of the body that owns a marker.
+fn owner(surfaces: &[Surface], marker: usize) -> u32 {
+    let mut first = 0;
+    for s in surfaces {
+        first += s.subdivision.len();
+        if marker < first {
+            return s.id;
         }
-        0
     }
+    0
 }
 
 fn part<'a>(x: Soa3Ref<'a>, range: &Range<usize>) -> Soa3Ref<'a> {
@@ -205,15 +223,25 @@ impl Exchange for DeltaExchange {
             });
         }
         let nodes = reference.len();
-        let old = std::mem::take(&mut self.surfaces);
+        let mut old = std::mem::take(&mut self.surfaces);
+        if self.grid.as_ref().is_some_and(|g| g.spacing != grid.spacing) {
+            old.clear();
+        }
+        // Both lists are in ascending order of the numbers.
+        let mut old = old.into_iter().peekable();
         for body in bodies {
+            while old.next_if(|s| s.id < body.id).is_some() {}
+            if let Some(mut kept) = old.next_if(|s| s.id == body.id) {
+                kept.range = body.range.clone();
+                self.surfaces.push(kept);
+                continue;
+            }
             let reference: Soa3 = part(reference, &body.range).iter().collect();
             // Rigid bodies meet the fluid at markers of their own.
             let rigid = body.motion == Motion::Rigid;
             let edges = if rigid { Vec::new() } else { edges(&body.triangles) };
             let longest = longest_edge(reference.view(), &edges).0;
-            let kept = old.iter().find(|s| s.id == body.id).map_or(1, |s| s.division);
-            let division = self.markers.division_at_rest(longest, grid.spacing).max(kept);
+            let division = self.markers.division_at_rest(longest, grid.spacing);
             let mut surface = Surface {
                 id: body.id,
                 range: body.range.clone(),
@@ -231,7 +259,11 @@ impl Exchange for DeltaExchange {
         self.grid = Some(grid.clone());
         self.nodes = nodes;
         self.placement = Placement::default();
-        self.rebuild_table();
+        self.table_is_old = true;
+        if let Some(inset) = &mut self.elastic_inset {
+            let depth = self.kernel.hydrodynamic_shift() * grid.spacing;
+            inset.set_bodies(&self.surfaces, nodes, depth);
+        }
         Ok(())
     }
 
@@ -240,12 +272,20 @@ impl Exchange for DeltaExchange {
             bricks.commit();
             return Ok(());
         };
-        let placed = self.close_gaps(x, grid.spacing).and_then(|()| {
+        let closed = self.close_gaps(x, grid.spacing);
+        if self.table_is_old {
+            self.rebuild_table();
+        }
+        let placed = closed.and_then(|()| {
+            let x = match &mut self.elastic_inset {
+                Some(inset) => inset.place(x)?,
+                None => x,
+            };
             let support = self.kernel.support();
             self.placement
                 .place(&self.table, x, &grid, support, bricks)
                 .map_err(|(marker, position)| ExchangeError::OutsideGrid {
-                    body: self.owner(marker),
+                    body: owner(&self.surfaces, marker),
                     position: position.into(),
                 })
         });
@@ -255,7 +295,7 @@ impl Exchange for DeltaExchange {
 
     fn interpolate(&mut self, bricks: &Bricks, velocity: Soa3Mut<'_>) {
         let p = &self.placement;
-        if p.rank.len() != self.table.len() {
+        if self.table_is_old || p.rank.len() != self.table.len() {
             // Not placed since the bodies changed: nothing is in the fluid yet.
             for out in [velocity.x, velocity.y, velocity.z] {
                 out.fill(0.0);
@@ -268,22 +308,31 @@ impl Exchange for DeltaExchange {
         let field = bricks.velocity().each_ref().map(Vec::as_slice);
         transfer::interpolate_by(self.kernel, p, field, tiles, u);
         let (rank, u) = (&p.rank, &self.velocity);
-        let out = [velocity.x, velocity.y, velocity.z];
+        let out = [&mut *velocity.x, &mut *velocity.y, &mut *velocity.z];
         self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
+        if let Some(inset) = &self.elastic_inset {
+            inset.to_nodes(velocity);
+        }
     }
 
     fn spread(&mut self, force: Soa3Ref<'_>, bricks: &mut Bricks) {
         let p = &self.placement;
-        if p.rank.len() != self.table.len() {
+        if self.table_is_old || p.rank.len() != self.table.len() {
             return;
         }
         self.tiles.resize(p.tile_nodes, [0.0; 4]);
-        let table = &self.table;
-        let nodes = table.to_markers(force, &mut self.scratch);
-        let f = |m: usize| table.marker_force(m, nodes);
-        let tiles = &mut self.tiles;
+        let (table, tiles) = (&self.table, &mut self.tiles);
+        let force = match &mut self.elastic_inset {
+            Some(inset) => inset.to_markers(force),
+            None => force,
+        };
         let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
-        transfer::spread_by(self.kernel, p, f, tiles, field);
+        if table.is_plain() {
+            let f = |m: usize| [force.x[m], force.y[m], force.z[m], 0.0];
+            return transfer::spread_by(self.kernel, p, f, tiles, field);
+        }
+        let nodes = table.to_markers(force, &mut self.scratch);
+        transfer::spread_by(self.kernel, p, |m| table.marker_force(m, nodes), tiles, field);
     }
 
     fn set_rigid(&mut self, bodies: &[(u32, &dyn ImmersedBody)], grid: &Grid) -> Result<(), ExchangeError> {

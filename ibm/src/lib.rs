@@ -6,8 +6,8 @@
 //! interpolation and spreading are adjoint, total force and (but for one kernel) torque about the markers are kept, and no
 //! fluid leaks through a mesh coarser than the grid. The bits do not depend on the number of threads.
 //!
-//! A surface acts larger in the fluid than its mesh, by [`Kernel::hydrodynamic_shift`]; who needs the true size makes the
-//! mesh smaller by it. [`stokes`] measures this, the radius of a marker, and the leak of any mesh.
+//! A surface acts larger in the fluid than its mesh, by [`Kernel::hydrodynamic_shift`]; [`DeltaExchange::with_inset`] puts
+//! the markers of rigid bodies, and [`DeltaExchange::with_elastic_inset`] those of elastic ones, deeper by it. [`stokes`] measures this, the radius of a marker, and the leak of any mesh.
 //!
 //! Forces are spread with weights that sum to one: bricks hold newtons per grid node, velocities are m/s, all in SI.
 
@@ -15,6 +15,7 @@ mod axis;
 mod exchange;
 mod forcing;
 mod friction;
+mod inset;
 mod kernel;
 mod placement;
 mod rigid;

@@ -1,6 +1,6 @@
 //! Surface markers: each triangle of a mesh divided into `k x k` equal ones.
 
-use lbm_ibm_coupling::Soa3Ref;
+use lbm_ibm_coupling::{Soa3Ref, Work, on_widest};
 
 /// An edge of a mesh, and a triangle that has it.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,39 @@ pub(crate) fn longest_edge(x: Soa3Ref<'_>, edges: &[Edge]) -> (f64, usize) {
         }
     }
     (longest.0.sqrt(), longest.1)
+}
+
+/// Length of the longest edge, m.
+pub(crate) fn longest(x: Soa3Ref<'_>, edges: &[Edge]) -> f64 {
+    on_widest(Longest { x, edges })
+}
+
+struct Longest<'a> {
+    x: Soa3Ref<'a>,
+    edges: &'a [Edge],
+}
+
+impl Work for Longest<'_> {
+    type Out = f64;
+
+    #[inline(always)]
+    fn run(self) -> f64 {
+        const LANES: usize = 8;
+        let Soa3Ref { x, y, z } = self.x;
+        let mut longest = [0.0; LANES];
+        for edges in self.edges.chunks(LANES) {
+            let mut d = [[0.0; LANES]; 3];
+            for (l, e) in edges.iter().enumerate() {
+                let [i, j] = e.ends.map(|n| n as usize);
+                (d[0][l], d[1][l], d[2][l]) = (x[i] - x[j], y[i] - y[j], z[i] - z[j]);
+            }
+            for l in 0..LANES {
+                let square = d[0][l] * d[0][l] + d[1][l] * d[1][l] + d[2][l] * d[2][l];
+                longest[l] = if square > longest[l] { square } else { longest[l] };
+            }
+        }
+        longest.into_iter().fold(0.0, f64::max).sqrt()
+    }
 }
 
 /// Markers of one body: its nodes, then those inside edges, then those inside triangles. Marker `m` is at

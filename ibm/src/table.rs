@@ -72,17 +72,28 @@ impl Table {
     }
 
     fn list_markers(&mut self, nodes: usize) {
-        let mut of_node = vec![Vec::new(); nodes];
-        for (m, (parent, weight)) in self.parent.iter().zip(&self.weight).enumerate() {
-            for p in (0..3).filter(|&p| weight[p] != 0.0) {
-                of_node[parent[p] as usize].push((m as u32, weight[p]));
+        let weighted = |m: usize| {
+            let (parent, weight) = (self.parent[m], self.weight[m]);
+            (0..3)
+                .filter(move |&p| weight[p] != 0.0)
+                .map(move |p| (parent[p] as usize, weight[p]))
+        };
+        let mut next = vec![0; nodes + 1];
+        for (node, _) in (0..self.weight.len()).flat_map(weighted) {
+            next[node + 1] += 1;
+        }
+        for n in 0..nodes {
+            next[n + 1] += next[n];
+        }
+        let first = next.clone();
+        let mut markers = vec![(0, 0.0); next[nodes] as usize];
+        for m in 0..self.weight.len() {
+            for (node, w) in weighted(m) {
+                markers[next[node] as usize] = (m as u32, w);
+                next[node] += 1;
             }
         }
-        self.first_marker.push(0);
-        for list in of_node {
-            self.markers.extend(list);
-            self.first_marker.push(self.markers.len() as u32);
-        }
+        (self.first_marker, self.markers) = (first, markers);
     }
 
     fn list_neighbours(&mut self, nodes: usize, lumped: &[f64]) {
@@ -106,6 +117,11 @@ impl Table {
             self.neighbours.extend(row.iter().map(|&(n, c)| (n, c, c * ratio(n))));
             self.first_neighbour.push(self.neighbours.len() as u32);
         }
+    }
+
+    /// Whether every node is its own marker, in order.
+    pub fn is_plain(&self) -> bool {
+        self.plain
     }
 
     /// Number of markers.

@@ -4,7 +4,7 @@
 //! each group adds to its own tile and each brick then adds up the tiles that reach it, both in a fixed order: no two
 //! tasks write to the same place, and the sums are the same for any number of threads.
 
-use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma};
+use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma, Six, Smoothed};
 use crate::placement::{Block, Group, Placed, Placement};
 use crate::threads;
 use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Work, on_widest};
@@ -189,6 +189,8 @@ pub(crate) fn interpolate_by(
         Kernel::PeskinFour => interpolate::<4, Peskin>(p, field, tiles, out),
         Kernel::CosineFour => interpolate::<4, Cosine>(p, field, tiles, out),
         Kernel::SplineFour => interpolate::<4, Cubic>(p, field, tiles, out),
+        Kernel::SmoothedFour => interpolate::<5, Smoothed>(p, field, tiles, out),
+        Kernel::SixPoint => interpolate::<6, Six>(p, field, tiles, out),
     }
 }
 
@@ -207,6 +209,8 @@ pub(crate) fn spread_by(
         Kernel::PeskinFour => spread::<4, Peskin>(p, force, tiles, field),
         Kernel::CosineFour => spread::<4, Cosine>(p, force, tiles, field),
         Kernel::SplineFour => spread::<4, Cubic>(p, force, tiles, field),
+        Kernel::SmoothedFour => spread::<5, Smoothed>(p, force, tiles, field),
+        Kernel::SixPoint => spread::<6, Six>(p, force, tiles, field),
     }
 }
 

@@ -85,7 +85,8 @@ proptest! {
             let grid = Grid::new(shape, 0.5, [true; 3]).with_origin(Vec3::new(-1.0, 2.0, 0.3));
             let x: Soa3 = points.iter().map(|&p| Vec3::from(p)).collect();
             let f: Soa3 = x.iter().map(|x| rough(x * 3.3)).collect();
-            for kernel in Kernel::ALL {
+            let narrowest = shape.into_iter().min().unwrap_or(0);
+            for kernel in Kernel::ALL.into_iter().filter(|k| k.support() <= narrowest) {
                 let (mut exchange, mut bricks) = placed(kernel, &grid, x.view(), &[])?;
                 fill(&mut bricks, &grid, rough);
                 let u = interpolated(&mut exchange, &bricks, x.len());

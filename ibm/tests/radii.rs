@@ -19,6 +19,13 @@ fn marker_radius() {
         assert!((a / radius - 1.0).abs() < 0.05, "{kernel:?}: {a}");
         assert!((kernel.marker_radius() / radius - 1.0).abs() < 1e-3);
     }
+    // Of the wider kernels no file knows; they are to be smoother than Peskin's.
+    for (kernel, spread) in [(Kernel::SmoothedFour, 0.002), (Kernel::SixPoint, 0.0005)] {
+        let (a, deviation) = kernel_radius(kernel, 32, 60);
+        println!("{kernel:?}: {a:.4}, deviation {deviation:.5}");
+        assert!((kernel.marker_radius() / a - 1.0).abs() < 1e-3);
+        assert!(deviation < spread);
+    }
 }
 
 #[test]
@@ -40,5 +47,15 @@ fn sphere_excess() {
         println!("{kernel:?} {radius} {spacing}: {:.4} ({excess:.4})", a - radius);
         assert!((a - radius - excess).abs() < 0.05);
         assert!(radius < 4.0 || (a - radius - kernel.hydrodynamic_shift()).abs() < 0.02);
+    }
+}
+
+/// Markers of a sphere of 4 spacings, deeper by the shift.
+#[test]
+fn a_sphere_with_its_markers_inside_is_as_large_as_it_is() {
+    for kernel in Kernel::ALL {
+        let a = sphere_radius(kernel, 4.0 - kernel.hydrodynamic_shift(), 0.5, 48).expect("a sphere inside the box");
+        println!("{kernel:?}: {a:.4}");
+        assert!((a / 4.0 - 1.0).abs() < 0.01, "{kernel:?}: {a}");
     }
 }

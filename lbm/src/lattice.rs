@@ -7,11 +7,12 @@ use crate::links::{Links, Row};
 use crate::mask::Mask;
 use crate::open::Settings;
 use crate::parallel;
+use crate::reading::ReadBrick;
 use crate::step::Step;
 use crate::sweep::Sweep;
 use lbm_ibm_coupling::{
-    BRICK_EDGE, BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Noise, Vec3, WallReport,
-    Wrench,
+    BRICK_NODES, Boundary, Bricks, FluidError, Grid, Inside, Lattice, Macroscopic, Noise, Vec3, WallReport, Wrench,
+    on_widest,
 };
 use std::sync::Arc;
 
@@ -76,7 +77,13 @@ impl Lattice for Fluid {
         let fluid = &*self;
         parallel::for_each_chunk(&slots, velocity, BRICK_NODES, |slot, brick, to| {
             let force = [0, 1, 2].map(|a| &force[a][slot * BRICK_NODES..][..BRICK_NODES]);
-            fluid.read_brick(brick, force, to);
+            on_widest(ReadBrick {
+                fluid,
+                brick: brick.0,
+                rows: brick.1,
+                force,
+                to,
+            });
         });
         self.slots = slots;
     }
@@ -301,46 +308,6 @@ impl Fluid {
         let gained = self.balances.iter().map(|b| b.gained).sum::<f64>();
         let gained = gained + thin_balance(thin, &self.exchanged, self.storage.velocities()).gained;
         self.owed = [self.owed[0] + gained, self.owed[0]];
-    }
-
-    /// The velocity of the rows of a brick that are in use.
-    fn read_brick(&self, (brick, rows): &([usize; 3], u64), force: [&[f64]; 3], mut to: [&mut [f64]; 3]) {
-        let [x, y, z] = brick.map(|b| b * BRICK_EDGE);
-        let (unit, scale) = (self.velocity_unit(), self.force_scale());
-        let shape = self.grid.shape;
-        let end = (x + BRICK_EDGE).min(shape[0]);
-        let mut moments = [[0.0; BRICK_EDGE]; 4];
-        for k in z..(z + BRICK_EDGE).min(shape[2]) {
-            for j in y..(y + BRICK_EDGE).min(shape[1]) {
-                if rows >> ((k - z) * BRICK_EDGE + (j - y)) & 1 == 0 {
-                    continue;
-                }
-                let at = ((k - z) * BRICK_EDGE + (j - y)) * BRICK_EDGE;
-                for to in to.iter_mut() {
-                    to[at..at + end - x].fill(0.0);
-                }
-                let runs = self
-                    .links
-                    .row_at(j, k)
-                    .map_or(0..0, |row| self.links.rows[row].runs.clone());
-                for run in runs {
-                    let nodes = &self.links.runs[run];
-                    let nodes = nodes.start.max(x)..nodes.end.min(end);
-                    if nodes.is_empty() {
-                        continue;
-                    }
-                    let at = at + nodes.start - x;
-                    let len = nodes.len();
-                    self.moments(run, nodes, moments.each_mut().map(|m| m.as_mut_slice()));
-                    for a in 0..3 {
-                        for i in 0..len {
-                            let half = 0.5 * (force[a][at + i] * scale + self.force[a][0]);
-                            to[a][at + i] = (moments[a + 1][i] + half) * unit;
-                        }
-                    }
-                }
-            }
-        }
     }
 
     /// Sums what the rows have noted, in their order, and finds the force of the next step.

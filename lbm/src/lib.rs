@@ -33,6 +33,7 @@ pub mod models;
 mod open;
 mod open_links;
 mod parallel;
+mod reading;
 mod real;
 mod relaxation;
 mod rule;

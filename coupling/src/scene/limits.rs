@@ -16,8 +16,15 @@ impl Scene {
             let x = self.x.slice(info.range.clone());
             let body = self.bodies[i].body.as_mut();
             let limit = match (&self.fluid, info.motion) {
-                (Some(Fluid { exchange, lattice, .. }), _) => {
-                    exchange.stable_step(body, x, lattice.viscosity(), lattice.density())
+                (Some(Fluid { exchange, lattice, .. }), motion) => {
+                    let stretch = match motion {
+                        Motion::Advected => self.elasticity.stretch(),
+                        _ => Some(1.0),
+                    };
+                    stretch.and_then(|stretch| {
+                        let limit = exchange.stable_step(body, x, lattice.viscosity(), lattice.density())?;
+                        Some(stretch * limit)
+                    })
                 }
                 (None, Motion::Overdamped { friction }) => Some(2.0 * friction / greatest_stiffness(body, x)),
                 (None, _) => None,

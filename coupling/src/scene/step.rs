@@ -33,6 +33,11 @@ impl Scene {
                 }
                 fluid.exchange.place(self.x.view(), &mut fluid.bricks)?;
                 fluid.bricks.clear_force();
+            }
+        }
+        self.relax_forces();
+        if let Some(fluid) = &mut self.fluid {
+            if !self.infos.is_empty() {
                 fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
                 if !self.rigid.is_empty() {
                     fluid.hold_rigid(&mut self.rigid, &self.x, &self.loads, &self.infos)?;
@@ -117,7 +122,13 @@ impl Fluid {
 
 /// Each body's forces on its own range. Halves the bodies until one is left, so that threads share them without
 /// allocating; `force` covers the ranges of these bodies alone.
-fn internal_forces(bodies: &mut [Slot], infos: &[BodyInfo], x: Soa3Ref<'_>, v: Soa3Ref<'_>, mut force: Soa3Mut<'_>) {
+pub(super) fn internal_forces(
+    bodies: &mut [Slot],
+    infos: &[BodyInfo],
+    x: Soa3Ref<'_>,
+    v: Soa3Ref<'_>,
+    mut force: Soa3Mut<'_>,
+) {
     match bodies {
         [] => {}
         [one] => {

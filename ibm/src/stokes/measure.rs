@@ -39,8 +39,8 @@ pub fn kernel_radius(kernel: Kernel, n: usize, positions: usize) -> (f64, f64) {
             let weights = even(i).map(|s| kernel.stencil(s).1);
             let product = |axis: usize, d: i64| -> f64 {
                 let w = &weights[axis];
-                (0..4)
-                    .filter(|j| (0..4).contains(&(j + d)))
+                (0..6)
+                    .filter(|j| (0..6).contains(&(j + d)))
                     .map(|j| w[j as usize] * w[(j + d) as usize])
                     .sum()
             };
@@ -87,6 +87,45 @@ pub fn sphere_radius(kernel: Kernel, radius: f64, spacing: f64, n: usize) -> Res
     Ok(periodic_radius(mobility, 1.0, n as f64))
 }
 
+/// Hydrodynamic radius, in grid spacings, of a closed mesh that is dragged along z by a uniform traction on a periodic cube of
+/// `n` nodes along each edge, with its markers on the surface or inside it
+/// ([`DeltaExchange::with_elastic_inset`]); `x` in grid spacings.
+///
+/// # Errors
+/// [`ExchangeError`] where the exchange cannot do it.
+pub fn surface_radius(
+    kernel: Kernel,
+    inset: bool,
+    x: Soa3Ref<'_>,
+    triangles: &[[u32; 3]],
+    n: usize,
+) -> Result<f64, ExchangeError> {
+    let mut force = uniform_traction(x, triangles);
+    let total: f64 = force.z.iter().sum();
+    force.z.iter_mut().for_each(|f| *f /= total);
+    let mut fluid = Fluid::new(kernel, n);
+    fluid.exchange = DeltaExchange::new(kernel).with_elastic_inset(inset);
+    fluid.place(x, triangles)?;
+    fluid.exchange.spread(force.view(), &mut fluid.bricks);
+    let field = fluid.stokes.respond(&fluid.bricks);
+    let velocity = fluid.node_velocity(&field);
+    let mobility = velocity.z.iter().zip(&force.z).map(|(u, f)| u * f).sum();
+    Ok(periodic_radius(mobility, 1.0, n as f64))
+}
+
+/// Forces along z on the nodes of a mesh, by the area around each.
+fn uniform_traction(x: Soa3Ref<'_>, triangles: &[[u32; 3]]) -> Soa3 {
+    let mut force = Soa3::zeros(x.len());
+    for t in triangles {
+        let [a, b, c] = t.map(|v| x.get(v as usize));
+        let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        for &v in t {
+            force.add(v as usize, Vec3::z() * (area / 3.0));
+        }
+    }
+    force
+}
+
 /// How fluid and membrane move against each other; all in units of the membrane's mean speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leak {
@@ -115,14 +154,7 @@ pub fn leak(
     triangles: &[[u32; 3]],
     n: usize,
 ) -> Result<Leak, ExchangeError> {
-    let mut force = Soa3::zeros(x.len());
-    for t in triangles {
-        let [a, b, c] = t.map(|v| x.get(v as usize));
-        let area = 0.5 * (b - a).cross(&(c - a)).norm();
-        for &v in t {
-            force.add(v as usize, Vec3::z() * (area / 3.0));
-        }
-    }
+    let force = uniform_traction(x, triangles);
     let mut fluid = Fluid::new(kernel, n);
     let field = fluid.drag(markers, x, triangles, force.view())?;
     let node_velocity = fluid.node_velocity(&field);

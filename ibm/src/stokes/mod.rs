@@ -4,7 +4,7 @@
 mod fft;
 mod measure;
 
-pub use measure::{Leak, kernel_radius, leak, periodic_radius, sphere_radius};
+pub use measure::{Leak, kernel_radius, leak, periodic_radius, sphere_radius, surface_radius};
 
 use fft::Fourier;
 use lbm_ibm_coupling::nalgebra::Complex;

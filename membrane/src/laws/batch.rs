@@ -16,12 +16,15 @@ pub(super) const ZERO: Vectors = [[0.0; BATCH]; 3];
 /// Positions of the nodes of at most [`BATCH`] elements. Lanes without an element keep what they held.
 #[inline(always)]
 pub(super) fn gather<const N: usize>(x: Soa3Ref<'_>, elements: &[[u32; N]], out: &mut [Vectors; N]) {
+    // Known to be as long as each other, so that one look at the bounds will do.
+    let n = x.x.len();
+    let (x, y, z) = (x.x, &x.y[..n], &x.z[..n]);
     for (l, nodes) in elements.iter().enumerate().take(BATCH) {
         for p in 0..N {
             let i = nodes[p] as usize;
-            out[p][0][l] = x.x[i];
-            out[p][1][l] = x.y[i];
-            out[p][2][l] = x.z[i];
+            out[p][0][l] = x[i];
+            out[p][1][l] = y[i];
+            out[p][2][l] = z[i];
         }
     }
 }
@@ -29,12 +32,14 @@ pub(super) fn gather<const N: usize>(x: Soa3Ref<'_>, elements: &[[u32; N]], out:
 /// Adds the forces on the nodes of at most [`BATCH`] elements, in the order of the elements.
 #[inline(always)]
 pub(super) fn scatter<const N: usize>(forces: &[Vectors; N], elements: &[[u32; N]], force: &mut Soa3Mut<'_>) {
+    let n = force.x.len();
+    let (x, y, z) = (&mut *force.x, &mut force.y[..n], &mut force.z[..n]);
     for (l, nodes) in elements.iter().enumerate().take(BATCH) {
         for p in 0..N {
             let i = nodes[p] as usize;
-            force.x[i] += forces[p][0][l];
-            force.y[i] += forces[p][1][l];
-            force.z[i] += forces[p][2][l];
+            x[i] += forces[p][0][l];
+            y[i] += forces[p][1][l];
+            z[i] += forces[p][2][l];
         }
     }
 }

@@ -76,7 +76,8 @@ impl Work for Pass<'_, '_> {
                 let strength = -modulus * ((PI - turn) - rest[i]) * length;
                 let u = strength / dot(first, first);
                 let v = strength / dot(second, second);
-                let (p, q) = (dot(c, edge) / square, dot(d, edge) / square);
+                let per_square = 1.0 / square;
+                let (p, q) = (dot(c, edge) * per_square, dot(d, edge) * per_square);
                 for k in 0..3 {
                     let (f, g) = (first[k] * u, second[k] * v);
                     forces[0][k][i] = f * (p - 1.0) + g * (q - 1.0);
