@@ -29,6 +29,7 @@ mod parallel;
 mod real;
 mod relaxation;
 mod rule;
+mod save;
 mod simd;
 mod state;
 mod stencil;
