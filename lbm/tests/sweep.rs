@@ -77,7 +77,7 @@ fn sweeps_of_several_steps_give_the_same_bits_as_single_ones_on_any_number_of_th
             let bricks = Bricks::new(single.grid());
             (0..24).for_each(|_| single.advance(&bricks).unwrap());
             let single = single.macroscopic().unwrap();
-            let threads: &[usize] = if n == 4 { &[1] } else { &[1, 2, 5] };
+            let threads: &[usize] = if n == 4 { &[3] } else { &[1, 2, 5] };
             for &threads in threads {
                 let many = on_threads(threads, || {
                     let mut many = made();
