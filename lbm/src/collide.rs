@@ -10,6 +10,10 @@ use crate::stencil::{MAX_Q, moments, opposite};
 
 /// How far ahead the places are prefetched, in bytes.
 const AHEAD: usize = 768;
+/// Bytes of each population in a short run, at most.
+const SHORT: usize = 256;
+/// Vectors in a run whose vectors are worth aligning, at least.
+const LONG: usize = 6;
 /// Bytes of a cache line.
 const LINE: usize = 64;
 
@@ -49,8 +53,10 @@ impl Span<'_> {
     /// Asks for the populations that come some way after node `x`, in this span or the next.
     #[inline(always)]
     fn fetch_ahead<S, const Q: usize>(&self, x: usize) {
-        let ahead = x + (AHEAD / size_of::<S>()).min(self.len);
-        let (places, x) = if ahead < self.len {
+        // Behind a short run, and most likely behind the next one too, memory goes on with the runs after it.
+        let (far, short) = (AHEAD / size_of::<S>(), self.len < SHORT / size_of::<S>());
+        let ahead = x + if short { far } else { far.min(self.len) };
+        let (places, x) = if short || ahead < self.len {
             (self.places, self.start + ahead)
         } else {
             (self.next.0, self.next.1 + (ahead - self.len))
@@ -171,7 +177,8 @@ where
     }
 }
 
-/// What is left of a span before and after its whole vectors, which start where a cache line does.
+/// What is left of a span before and after its whole vectors. Those of a long span start where a cache line does; in a
+/// shorter one that would cost more vectors than it saves.
 struct Ends {
     head: usize,
     tail_from: usize,
@@ -181,7 +188,7 @@ struct Ends {
 impl Ends {
     #[inline(always)]
     fn new<V: Simd>(s: &Span) -> Self {
-        let head = if s.len > V::LANES {
+        let head = if s.len >= LONG * V::LANES {
             s.start.wrapping_neg() % V::LANES
         } else {
             0

@@ -37,6 +37,7 @@ mod reading;
 mod real;
 mod relaxation;
 mod rule;
+mod save;
 mod simd;
 mod stable;
 mod state;
