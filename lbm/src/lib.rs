@@ -31,6 +31,7 @@ mod parallel;
 mod real;
 mod relaxation;
 mod rule;
+mod save;
 mod simd;
 mod stable;
 mod state;
