@@ -118,8 +118,11 @@ fn uniform<M: Model<Q>, const Q: usize>(model: &M, u: [f64; 3]) -> [f64; Q] {
     f
 }
 
-/// The wave vectors of a scan, for a flow along one of [`FLOWS`]: 22 magnitudes along every direction with components to 2, of
-/// those that are mirror images of each other about the flow one.
+/// Magnitudes of the waves of a scan, along each direction.
+const MAGNITUDES: usize = 22;
+
+/// The wave vectors of a scan, for a flow along one of [`FLOWS`]: 22 magnitudes, one after the other, along every direction with
+/// components to 2, of those that are mirror images of each other about the flow one.
 pub fn waves(flow: usize) -> Vec<[f64; 3]> {
     let mut directions: Vec<[i32; 3]> = Vec::new();
     for x in -2..=2_i32 {
@@ -136,15 +139,11 @@ pub fn waves(flow: usize) -> Vec<[f64; 3]> {
             }
         }
     }
-    let magnitudes = (1..=22).map(|m| PI * f64::from(m) / 22.0);
-    magnitudes
-        .flat_map(|m| {
-            directions.iter().map(move |d| {
-                let longest = d.iter().map(|c| c.abs()).max().unwrap_or(1);
-                d.map(|c| m * f64::from(c) / f64::from(longest))
-            })
-        })
-        .collect()
+    let along = |d: [i32; 3]| {
+        let longest = d.iter().map(|c| c.abs()).max().unwrap_or(1);
+        (1..=MAGNITUDES).map(move |m| d.map(|c| PI * m as f64 / MAGNITUDES as f64 * f64::from(c) / f64::from(longest)))
+    };
+    directions.into_iter().flat_map(along).collect()
 }
 
 /// The greatest of the images of a vector under the symmetries of a flow, and under reversal, which has the complex conjugate
@@ -171,53 +170,64 @@ pub struct Worst {
     pub growth: f64,
 }
 
-/// How a scan looks for growing waves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Search {
-    /// The waves of the set, until one grows.
-    First,
-    /// All, and the neighbourhood of the fastest growing ones.
-    All,
-}
+/// Places from which a search climbs.
+const STARTS: usize = 8;
 
-/// Looks for a growing wave.
-pub fn worst(linear: &Linear, set: &[[f64; 3]], search: Search) -> Worst {
-    let growth = |k: [f64; 3]| linear.growth(k).unwrap_or(f64::INFINITY);
-    let mut found: Vec<Worst> = Vec::with_capacity(set.len());
+/// Looks for a growing wave among those of [`waves`]; where none grows, climbs from the greatest of the maxima along their
+/// directions. Ends at the first that grows.
+pub fn worst(linear: &Linear, set: &[[f64; 3]]) -> Worst {
+    let growth = |k: [f64; 3]| Worst {
+        k,
+        growth: linear.growth(k).unwrap_or(f64::INFINITY),
+    };
+    let mut found = Vec::with_capacity(set.len());
     for &k in set {
-        let one = Worst { k, growth: growth(k) };
-        if search == Search::First && one.growth > 1.0 + TOLERANCE {
+        let one = growth(k);
+        if one.growth > 1.0 + TOLERANCE {
             return one;
         }
         found.push(one);
     }
-    found.sort_by(|a, b| b.growth.total_cmp(&a.growth));
-    let mut best = found[0];
-    let starts = if search == Search::All { 4 } else { 2 };
-    for start in found.iter().take(starts) {
-        let climbed = climb(*start, &growth, search);
+    // Long waves, which hardly decay, are no maxima along their direction but for the first.
+    let mut maxima: Vec<Worst> = Vec::new();
+    for line in found.chunks(MAGNITUDES) {
+        for m in 1..line.len() {
+            let next = line.get(m + 1).map_or(0.0, |w| w.growth);
+            if line[m].growth >= line[m - 1].growth && line[m].growth >= next {
+                maxima.push(line[m]);
+            }
+        }
+    }
+    maxima.sort_by(|a, b| b.growth.total_cmp(&a.growth));
+    let mut best = found
+        .iter()
+        .copied()
+        .max_by(|a, b| a.growth.total_cmp(&b.growth))
+        .unwrap_or(growth([0.0; 3]));
+    for start in maxima.into_iter().take(STARTS) {
+        let climbed = climb(start, &growth);
         if climbed.growth > best.growth {
             best = climbed;
+        }
+        if best.growth > 1.0 + TOLERANCE {
+            break;
         }
     }
     best
 }
 
-/// Goes to the next maximum by steps along the axes, halved where none helps.
-fn climb(mut at: Worst, growth: &impl Fn([f64; 3]) -> f64, search: Search) -> Worst {
+/// Goes to the next maximum, or to a wave that grows, by steps along the axes, halved where none helps.
+fn climb(mut at: Worst, growth: &impl Fn([f64; 3]) -> Worst) -> Worst {
     let mut step = PI / 44.0;
-    while step > 2e-3 {
+    while step > 4e-3 && at.growth <= 1.0 + TOLERANCE {
         let mut better = false;
         for a in 0..3 {
             for sign in [1.0, -1.0] {
                 let mut k = at.k;
                 k[a] += sign * step;
-                let g = growth(k);
-                if g > at.growth {
-                    (at, better) = (Worst { k, growth: g }, true);
-                    if search == Search::First && g > 1.0 + TOLERANCE {
-                        return at;
-                    }
+                let next = growth(k);
+                if next.growth > at.growth {
+                    (at, better) = (next, true);
                 }
             }
         }
@@ -231,13 +241,19 @@ fn climb(mut at: Worst, growth: &impl Fn([f64; 3]) -> f64, search: Search) -> Wo
 /// The least velocity (lattice units) along a direction of [`FLOWS`] from which on a wave grows, less at most 1e-4, or
 /// [`FASTEST`]; `at` makes the collision about a velocity.
 pub fn limit(at: impl Fn([f64; 3]) -> Linear, flow: usize) -> f64 {
-    let mut set = waves(flow);
+    let set = waves(flow);
+    let mut last: Option<[f64; 3]> = None;
     let mut stable = |speed: f64| {
-        let found = worst(&at(FLOWS[flow].map(|d| d * speed)), &set, Search::First);
+        let linear = at(FLOWS[flow].map(|d| d * speed));
+        // What grew last is likely to be what grows now.
+        let again = last.and_then(|k| linear.growth(k)).is_some_and(|g| g > 1.0 + TOLERANCE);
+        if again {
+            return false;
+        }
+        let found = worst(&linear, &set);
         let stable = found.growth <= 1.0 + TOLERANCE;
         if !stable {
-            // It will be the first to grow next time, too.
-            set.insert(0, found.k);
+            last = Some(found.k);
         }
         stable
     };

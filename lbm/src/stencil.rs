@@ -210,4 +210,30 @@ mod tests {
             }
         }
     }
+
+    /// Moments of the weights are those of a Maxwellian, to fifth order.
+    #[test]
+    fn stencils_are_isotropic() {
+        fn check<S: Stencil<Q>, const Q: usize>(axes: usize) {
+            for i in 1..Q {
+                assert_eq!(S::C[opposite(i)], S::C[i].map(|c| -c));
+            }
+            for n in 0..6_u32.pow(3) {
+                let powers = [n % 6, n / 6 % 6, n / 36];
+                if powers.iter().sum::<u32>() > 5 || powers[axes..].iter().any(|p| *p > 0) {
+                    continue;
+                }
+                let one = |i: usize| (0..3).map(|a| f64::from(S::C[i][a].pow(powers[a]))).product::<f64>();
+                let sum: f64 = (0..Q).map(|i| S::W[i] * one(i)).sum();
+                let exact: f64 = powers
+                    .iter()
+                    .map(|p| [1.0, 0.0, 1.0 / 3.0, 0.0, 1.0 / 3.0, 0.0][*p as usize])
+                    .product();
+                assert!((sum - exact).abs() < 1e-15, "{powers:?}: {sum} {exact}");
+            }
+        }
+        check::<D2Q9, 9>(2);
+        check::<D3Q19, 19>(3);
+        check::<D3Q27, 27>(3);
+    }
 }

@@ -5,7 +5,7 @@ use crate::Fault;
 use crate::scenes::plasma;
 use clap::{Args, ValueEnum};
 use lbm_ibm::coupling::{Bricks, Closure, Grid, Lattice, UM, Vec3};
-use lbm_ibm::lbm::{Collision, Drive, Fluid, InstructionSet, Precision};
+use lbm_ibm::lbm::{Collision, Drive, Fluid, InstructionSet, Precision, VelocitySet};
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -27,6 +27,9 @@ pub struct Case {
     /// How populations relax.
     #[arg(long, value_enum, default_value_t)]
     pub collision: Relaxation,
+    /// The lattice velocities.
+    #[arg(long, value_enum, default_value_t)]
+    pub velocities: Velocities,
     /// What walls there are.
     #[arg(long, value_enum, default_value_t)]
     pub scene: Scene,
@@ -54,6 +57,25 @@ pub enum Relaxation {
     Trt,
     /// One.
     Bgk,
+    /// Many.
+    Mrt,
+    /// All but the stress forgotten.
+    Regularised,
+    /// The same, higher moments rebuilt.
+    Recursive,
+    /// Central moments.
+    Central,
+}
+
+/// The lattice velocities.
+#[derive(Clone, Copy, Debug, Default, Serialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Velocities {
+    /// Nineteen.
+    #[default]
+    D3q19,
+    /// Twenty-seven.
+    D3q27,
 }
 
 /// What walls there are.
@@ -84,6 +106,8 @@ pub struct Speed {
     pub precision: Bits,
     /// How populations relax.
     pub collision: Relaxation,
+    /// The lattice velocities.
+    pub velocities: Velocities,
     /// Threads.
     pub threads: usize,
     /// What the kernels are compiled for.
@@ -110,9 +134,18 @@ impl Case {
         let collision = match self.collision {
             Relaxation::Trt => Collision::default(),
             Relaxation::Bgk => Collision::Bgk,
+            Relaxation::Mrt => Collision::mrt(),
+            Relaxation::Regularised => Collision::Regularised,
+            Relaxation::Recursive => Collision::RecursiveRegularised,
+            Relaxation::Central => Collision::central_moments(),
+        };
+        let set = match self.velocities {
+            Velocities::D3q19 => VelocitySet::D3Q19,
+            Velocities::D3q27 => VelocitySet::D3Q27,
         };
         let mut fluid = plasma(grid, 0.8, 1.0)?
             .with_collision(collision)?
+            .with_velocity_set(set)?
             .with_precision(precision)
             .with_narrow_gaps_filled()
             .with_drive(drive)?;
@@ -153,6 +186,7 @@ impl Case {
             fluid_nodes: nodes,
             precision: self.precision,
             collision: self.collision,
+            velocities: self.velocities,
             threads,
             instruction_set: format!("{:?}", InstructionSet::best()),
             mlups,
@@ -162,14 +196,18 @@ impl Case {
         })
     }
 
-    /// Bytes that a node update moves at least: 19 populations, read and written.
+    /// Bytes that a node update moves at least: its populations, read and written.
     pub fn traffic(&self) -> f64 {
         let bytes = match self.precision {
             Bits::F64 => 8.0,
             Bits::F32 => 4.0,
             Bits::F16 => 2.0,
         };
-        2.0 * 19.0 * bytes
+        let populations = match self.velocities {
+            Velocities::D3q19 => 19.0,
+            Velocities::D3q27 => 27.0,
+        };
+        2.0 * populations * bytes
     }
 }
 

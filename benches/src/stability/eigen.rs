@@ -5,7 +5,7 @@ use lbm_ibm::coupling::nalgebra::Complex;
 type C = Complex<f64>;
 
 /// Most steps for one eigenvalue.
-const STEPS: usize = 60;
+const STEPS: usize = 100;
 
 /// Greatest modulus of the eigenvalues of an `n` by `n` matrix, given row after row; none if the iteration fails. The matrix is
 /// used up.
@@ -14,11 +14,13 @@ const STEPS: usize = 60;
 /// Loan, Matrix Computations, chapter 7).
 pub fn spectral_radius(a: &mut [C], n: usize) -> Option<f64> {
     hessenberg(a, n);
+    // What is lost below the diagonal is a change of the matrix in its last digit.
+    let none = f64::EPSILON * a.iter().map(|v| v.norm_sqr()).sum::<f64>().sqrt();
     let mut radius = 0.0_f64;
     let mut end = n;
     let mut steps = 0;
     while end > 0 {
-        let start = active(a, n, end);
+        let start = active(a, n, end, none);
         if start + 1 == end {
             radius = radius.max(a[(end - 1) * n + end - 1].norm());
             end -= 1;
@@ -34,12 +36,11 @@ pub fn spectral_radius(a: &mut [C], n: usize) -> Option<f64> {
     Some(radius)
 }
 
-/// First row of the last block that does not fall apart; what is small below the diagonal becomes zero.
-fn active(a: &mut [C], n: usize, end: usize) -> usize {
+/// First row of the last block that does not fall apart; what is not above `none` below the diagonal becomes zero.
+fn active(a: &mut [C], n: usize, end: usize, none: f64) -> usize {
     for i in (1..end).rev() {
-        let scale = a[i * n + i].l1_norm() + a[(i - 1) * n + i - 1].l1_norm();
         let below = &mut a[i * n + i - 1];
-        if below.l1_norm() <= f64::EPSILON * scale.max(1e-30) {
+        if below.norm() <= none {
             *below = C::new(0.0, 0.0);
             return i;
         }
