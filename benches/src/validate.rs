@@ -18,6 +18,7 @@ mod profile;
 mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
+mod stability;
 mod stretch;
 mod unsteady;
 
@@ -61,6 +62,7 @@ pub const CASES: &[(&str, Case)] = &[
     ("open_channel", Case::Alone(open_channel::open_channel)),
     ("cavity_2d_ghia", Case::Rows(cavity::cavity_2d_ghia)),
     ("cavity_3d_re1000", Case::Rows(cavity::cavity_3d_re1000)),
+    ("linear_stability", Case::Rows(stability::linear_stability)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),

@@ -92,6 +92,18 @@ pub enum LbmError {
         /// Whether the grid repeats along z.
         periodic: bool,
     },
+    /// A flow in which waves grow until the fluid diverges.
+    #[error(
+        "a flow of {speed:.3e} m/s is linearly unstable at relaxation time {tau}, where up to {stable:.3e} m/s is stable: use a finer grid, a lower velocity or, before the drive is set, a collision that is stable for longer (RecursiveRegularised, CentralMoments)"
+    )]
+    Unstable {
+        /// Superficial velocity that was asked for, m/s.
+        speed: f64,
+        /// Greatest stable velocity, m/s.
+        stable: f64,
+        /// Relaxation time, in steps.
+        tau: f64,
+    },
     /// Flux control along an axis that does not repeat.
     #[error(
         "a flux of {velocity} m/s cannot be driven along axis {axis}, which has ends: make the axis periodic, or give a face a flux or a pressure"

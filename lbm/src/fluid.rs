@@ -12,6 +12,7 @@ use crate::mask::Mask;
 use crate::model::Model;
 use crate::relaxation::{Collision, VelocitySet};
 use crate::rule::{LinkRule, WallRule};
+use crate::stable;
 use crate::stencil::Velocities;
 use crate::storage::Storage;
 use crate::thermal::Thermal;
@@ -169,12 +170,13 @@ impl Fluid {
     /// Another collision than TRT with magic number 3/16.
     ///
     /// # Errors
-    /// [`LbmError::NotPositive`] for the magic number, [`LbmError::Rate`] for another rate, [`LbmError::NotOnThisSet`].
+    /// [`LbmError::NotPositive`] for the magic number, [`LbmError::Rate`] for another rate, [`LbmError::NotOnThisSet`],
+    /// [`LbmError::Unstable`] if the fluid is driven by a flux too fast for it, [`LbmError::NotThermal`].
     pub fn with_collision(mut self, collision: Collision) -> Result<Self, LbmError> {
         collision.check(self.tau, self.velocity_set)?;
         self.collision = Some(collision);
         self.rebuild();
-        self.warm()?;
+        self.settle()?;
         Ok(self)
     }
 
@@ -189,7 +191,7 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         (self.collision, self.velocity_set) = (Some(collision), set);
         self.set_kernel(kernel, self.storage.precision());
-        self.warm()?;
+        self.settle()?;
         Ok(self)
     }
 
@@ -222,7 +224,7 @@ impl Fluid {
         self.admit(kernel.velocities())?;
         self.collision = None;
         self.set_kernel(kernel, self.storage.precision());
-        self.warm()?;
+        self.settle()?;
         Ok(self)
     }
 
@@ -245,8 +247,9 @@ impl Fluid {
         self.thermal.as_ref().map_or(0.0, |t| t.temperature)
     }
 
-    /// Finds the noise anew for another collision.
-    fn warm(&mut self) -> Result<(), LbmError> {
+    /// What a change of the collision brings with it: other noise, another limit of stability.
+    fn settle(&mut self) -> Result<(), LbmError> {
+        self.check_flux(&self.drive)?;
         if let Some(thermal) = &self.thermal {
             self.thermal = Some(thermal.of(&*self.kernel)?);
         }
@@ -332,9 +335,11 @@ impl Fluid {
     /// Changes what drives the flow, at any time. Flux control starts from the force that acted before.
     ///
     /// # Errors
-    /// [`LbmError::NotFinite`]; [`LbmError::ClosedAxis`] for a flux along an axis that is not periodic.
+    /// [`LbmError::NotFinite`]; [`LbmError::ClosedAxis`] for a flux along an axis that is not periodic;
+    /// [`LbmError::Unstable`] for a flux faster than [`Fluid::stable_speed`].
     pub fn set_drive(&mut self, drive: Drive) -> Result<(), LbmError> {
         drive.check(&self.grid)?;
+        self.check_flux(&drive)?;
         let unit = self.density * self.grid.spacing / self.time_step.powi(2);
         for a in 0..3 {
             match drive {
@@ -378,6 +383,33 @@ impl Fluid {
     /// Predicted slip at flat walls: [`Collision::wall_slip`] at this relaxation time, if the collision is built in.
     pub fn wall_slip(&self) -> Option<f64> {
         self.collision.map(|c| c.wall_slip(self.tau))
+    }
+
+    /// Greatest velocity (m/s) of a uniform flow in which no wave grows, by the eigenvalues of the linearised collision (the least
+    /// of flow along an axis, a face diagonal and a space diagonal); none where it was not computed: for rates, and models, of
+    /// one's own, and without inertia, where there is no limit. Walls and shear may lower it.
+    ///
+    /// `cargo run --release -p lbm-ibm-benches --bin stability` computes the table that it is interpolated in.
+    pub fn stable_speed(&self) -> Option<f64> {
+        let collision = self.collision.filter(|_| self.inertia)?;
+        let limit = stable::limit(collision, self.velocity_set, self.tau)?;
+        Some(limit * self.velocity_unit())
+    }
+
+    /// Refuses a flux that is faster than any stable flow.
+    fn check_flux(&self, drive: &Drive) -> Result<(), LbmError> {
+        let (Drive::Flux(target), Some(stable)) = (drive, self.stable_speed()) else {
+            return Ok(());
+        };
+        let speed = target.iter().flatten().map(|v| v * v).sum::<f64>().sqrt();
+        if speed > stable {
+            return Err(LbmError::Unstable {
+                speed,
+                stable,
+                tau: self.tau,
+            });
+        }
+        Ok(())
     }
 
     /// Mach number of a flow of `speed` (m/s) by the lattice's speed of sound, `sqrt(3) speed dt/dx`.

@@ -37,6 +37,7 @@ mod real;
 mod relaxation;
 mod rule;
 mod simd;
+mod stable;
 mod state;
 mod stencil;
 mod step;

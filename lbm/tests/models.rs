@@ -195,3 +195,29 @@ fn single_precision_keeps_a_slow_flow() {
         }
     }
 }
+
+/// A run that the linear limit says will fail is refused before it begins, with the numbers.
+#[test]
+fn an_unstable_flux_is_refused() {
+    let fluid = |collision: Collision| {
+        Fluid::new(Grid::new([8; 3], 1e-6, [true; 3]), 1e3, 1e-3, Pace::Tau(0.505))
+            .and_then(|f| f.with_collision(collision))
+            .expect("a fluid")
+    };
+    let trt = fluid(Collision::default());
+    let stable = trt.stable_speed().expect("in the table");
+    let error = trt.with_drive(Drive::flux(0, 1.05 * stable)).expect_err("refused");
+    assert!(
+        matches!(error, LbmError::Unstable { speed, .. } if speed > stable),
+        "{error}"
+    );
+    assert!(
+        fluid(Collision::default())
+            .with_drive(Drive::flux(0, 0.95 * stable))
+            .is_ok()
+    );
+    let lasting = fluid(Collision::RecursiveRegularised);
+    assert!(lasting.stable_speed().expect("in the table") > 1.5 * stable);
+    assert!(lasting.with_drive(Drive::flux(0, 1.05 * stable)).is_ok());
+    assert_eq!(fluid(Collision::default()).with_inertia(false).stable_speed(), None);
+}

@@ -15,6 +15,9 @@ struct Options {
     /// Relaxation times; those of the reference file by default.
     #[arg(long, value_delimiter = ',')]
     tau: Vec<f64>,
+    /// With the compressible equilibrium of the reference file instead of the collision's own: BGK, TRT, REG and MRT only.
+    #[arg(long)]
+    compressible: bool,
 }
 
 fn main() -> ExitCode {
@@ -47,7 +50,15 @@ fn run(options: &Options) -> Result<(), Fault> {
         .collect();
     println!("collision,tau,umax_100,umax_110,umax_111,umax_min");
     for chunk in work.chunks(taus.len().max(1)) {
-        let rows = side_by_side(chunk, |(case, tau)| Ok([0, 1, 2].map(|flow| case.limit(*tau, flow))))?;
+        let rows = side_by_side(chunk, |(case, tau)| {
+            Ok([0, 1, 2].map(|flow| {
+                if options.compressible {
+                    case.compressible_limit(*tau, flow)
+                } else {
+                    case.limit(*tau, flow)
+                }
+            }))
+        })?;
         for ((case, tau), ([a, b, c], _)) in chunk.iter().zip(rows) {
             println!("{},{tau},{a:.5},{b:.5},{c:.5},{:.5}", case.name, a.min(b).min(c));
         }

@@ -1,6 +1,6 @@
 //! The collisions of the scan.
 
-use super::{Linear, Search, Worst, limit, waves, worst};
+use super::{Linear, limit};
 use lbm_ibm::lbm::models::{CentralMoments, Mrt, MrtRates, RecursiveRegularised, Regularised, TwoRates};
 use lbm_ibm::lbm::{D2Q9, D3Q19, D3Q27, Model, OddRate};
 
@@ -70,27 +70,36 @@ impl Case {
         CASES.iter().find(|c| c.name == name)
     }
 
-    /// Greatest stable velocity, lattice units, along a direction of [`super::FLOWS`].
-    pub fn limit(&self, tau: f64, flow: usize) -> f64 {
-        struct Limit(usize);
-        impl Ask<f64> for Limit {
-            fn of<M: Model<Q>, const Q: usize>(&self, model: &M) -> f64 {
-                limit(model, self.0)
+    /// The collision about a velocity, lattice units.
+    pub fn about(&self, tau: f64, u: [f64; 3]) -> Linear {
+        struct About([f64; 3]);
+        impl Ask<Linear> for About {
+            fn of<M: Model<Q>, const Q: usize>(&self, model: &M) -> Linear {
+                Linear::new(model, self.0)
             }
         }
-        self.ask(tau, &Limit(flow))
+        self.ask(tau, &About(u))
     }
 
-    /// The fastest growing wave at a velocity, lattice units, along a direction of [`super::FLOWS`], with the collision about it.
-    pub fn worst(&self, tau: f64, flow: usize, speed: f64) -> (Worst, Linear) {
-        struct Ascent(usize, f64);
-        impl Ask<(Worst, Linear)> for Ascent {
-            fn of<M: Model<Q>, const Q: usize>(&self, model: &M) -> (Worst, Linear) {
-                let linear = Linear::new(model, super::FLOWS[self.0].map(|d| d * self.1));
-                (worst(&linear, &waves(self.0), Search::All), linear)
+    /// The same with the equilibrium of the reference file: [`Linear::compressible`].
+    pub fn compressible_about(&self, tau: f64, u: [f64; 3]) -> Linear {
+        struct About([f64; 3]);
+        impl Ask<Linear> for About {
+            fn of<M: Model<Q>, const Q: usize>(&self, model: &M) -> Linear {
+                Linear::compressible(model, self.0)
             }
         }
-        self.ask(tau, &Ascent(flow, speed))
+        self.ask(tau, &About(u))
+    }
+
+    /// Greatest stable velocity, lattice units, along a direction of [`super::FLOWS`].
+    pub fn limit(&self, tau: f64, flow: usize) -> f64 {
+        limit(|u| self.about(tau, u), flow)
+    }
+
+    /// The same with the equilibrium of the reference file.
+    pub fn compressible_limit(&self, tau: f64, flow: usize) -> f64 {
+        limit(|u| self.compressible_about(tau, u), flow)
     }
 
     fn ask<R>(&self, tau: f64, ask: &impl Ask<R>) -> R {
