@@ -40,6 +40,12 @@ pub enum FluidError {
         /// Nodes of the grid.
         nodes: usize,
     },
+    /// A saved state that is not one of this fluid.
+    #[error("the saved state does not fit this fluid, {what}: build the fluid as the saved one was")]
+    State {
+        /// Where they differ.
+        what: String,
+    },
     /// Something that a third party's fluid reports.
     #[error(transparent)]
     Other(Box<dyn std::error::Error + Send + Sync>),
@@ -139,6 +145,21 @@ pub trait Lattice: Any + Send {
     /// [`FluidError::Diverged`] with the first offending node.
     fn check(&self) -> Result<(), FluidError> {
         Ok(())
+    }
+
+    /// The whole state, if the fluid can tell: a fluid built alike that takes it goes on as this one would.
+    fn save(&self) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Takes a state of [`Lattice::save`].
+    ///
+    /// # Errors
+    /// [`FluidError::State`].
+    fn restore(&mut self, _state: &[u8]) -> Result<(), FluidError> {
+        Err(FluidError::State {
+            what: "it can take none".to_string(),
+        })
     }
 
     /// Velocity, pressure and solid mask on the whole grid, for files and pictures.

@@ -134,6 +134,16 @@ impl Lattice for Fluid {
         Some(self.momentum_exchange(walls, t, about))
     }
 
+    /// Populations, parity, forces and counters; not the grid, the walls and the parameters, which the fluid that takes the
+    /// state has to be built with. A run that goes on from it is the same to the last bit.
+    fn save(&self) -> Option<Vec<u8>> {
+        Some(self.state())
+    }
+
+    fn restore(&mut self, state: &[u8]) -> Result<(), FluidError> {
+        self.restore_state(state)
+    }
+
     fn check(&self) -> Result<(), FluidError> {
         parallel::find_map_first(&self.links.rows, |row| self.check_row(row)).map_or(Ok(()), Err)
     }

@@ -36,6 +36,7 @@ mod parallel;
 mod real;
 mod relaxation;
 mod rule;
+mod save;
 mod simd;
 mod stable;
 mod state;

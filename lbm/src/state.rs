@@ -138,7 +138,7 @@ impl Fluid {
     }
 
     /// Index of the incoming population `i` of node `x` of a run.
-    fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
+    pub(crate) fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
         let array = self.storage.arrays()[if self.odd { opposite(i) } else { i }];
         (array + x).wrapping_add_signed(self.links.places(run, self.odd)[i] as isize)
     }

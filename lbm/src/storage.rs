@@ -62,7 +62,7 @@ impl Storage {
             end = arrays[i] + intervals.len + 2 * line;
             arrays[i] += line;
         }
-        let bytes = (end * precision.bytes()).next_multiple_of(HUGE_PAGE.min(end * precision.bytes()));
+        let bytes = end * precision.bytes();
         let align = if bytes >= HUGE_PAGE { HUGE_PAGE } else { LINE };
         let layout = Layout::from_size_align(bytes + align, 1).expect("the caller has asked whether it fits");
         // SAFETY: the layout is not empty. All bits zero is 0.0. Fresh zeros cost nothing until they are used, which needs the
