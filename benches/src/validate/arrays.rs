@@ -129,18 +129,9 @@ pub fn sphere_drag(numerics: Numerics, radius: f64, place: Vec3) -> Result<(f64,
     let off = place * UM;
     let distance = move |x: Vec3| nearest(x - off, length).norm() - a;
     let window = (0.3 * (n * n) as f64 / (numerics.tau - 0.5) / 10.0).ceil() as usize;
-    let tolerance = if numerics.precision == Precision::F16 {
-        1e-3
-    } else {
-        1e-6
-    };
-    let steady = Steady::new(
-        [n; 3],
-        numerics,
-        distance,
-        Vec3::x() * FORCE,
-        (window.max(50), tolerance),
-    )?;
+    // Strong enough that populations of 16 bits keep their digits; without inertia the flow is in proportion.
+    let force = 1e4 * FORCE;
+    let steady = Steady::new([n; 3], numerics, distance, Vec3::x() * force, (window.max(50), 1e-6))?;
     let drag = force * length.powi(3) / (6.0 * PI * VISCOSITY * a * steady.velocity.x);
     Ok((drag, steady.fluid))
 }
