@@ -106,7 +106,7 @@ pub enum LbmError {
     },
     /// Flux control along an axis that does not repeat.
     #[error(
-        "a flux of {velocity} m/s cannot pass the closed faces of axis {axis}: make the axis periodic or drive another one"
+        "a flux of {velocity} m/s cannot be driven along axis {axis}, which has ends: make the axis periodic, or give a face a flux or a pressure"
     )]
     ClosedAxis {
         /// Direction, 0 to 2.

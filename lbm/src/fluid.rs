@@ -3,7 +3,7 @@
 use crate::drive::{Balance, Drive};
 use crate::element::Precision;
 use crate::error::LbmError;
-use crate::faces::{Face, Faces, Side};
+use crate::faces::Faces;
 use crate::inner::Inner;
 use crate::interpolate::Exchanged;
 use crate::isa::InstructionSet;
@@ -189,15 +189,6 @@ impl Fluid {
         self
     }
 
-    /// What stands at a face of the grid; see [`Fluid::set_face`].
-    ///
-    /// # Errors
-    /// As for [`Fluid::set_face`].
-    pub fn with_face(mut self, axis: usize, side: Side, face: Face) -> Result<Self, LbmError> {
-        self.set_face(axis, side, face)?;
-        Ok(self)
-    }
-
     /// What drives the flow; see [`Fluid::set_drive`].
     ///
     /// # Errors
@@ -253,34 +244,6 @@ impl Fluid {
         }
         self.drive = drive;
         Ok(())
-    }
-
-    /// Changes what stands at the face at an end of an axis (0 to 2) that is not periodic, at any time; [`Face::Wall`] by
-    /// default. The flow goes on as it is. Links are found anew, so a face that varies in every step costs more than the step.
-    ///
-    /// # Errors
-    /// [`LbmError::NotFinite`] and [`LbmError::NotPositive`] for the numbers of a face; [`LbmError::Face`] for an axis that has no such face, a
-    /// velocity that is not finite or too fast, a flux through a face without fluid. That what goes in and out is not the
-    /// same, with no face to let the rest go, is an error of the next step, for more faces may be to come.
-    pub fn set_face(&mut self, axis: usize, side: Side, face: Face) -> Result<(), LbmError> {
-        Faces::check(&self.grid, axis, &face)?;
-        self.faces.0[axis][side as usize] = face;
-        self.mask.walled = self.faces.walled();
-        self.link();
-        match self.links.openings.fault_without_balance() {
-            Some(fault) => Err(fault.into()),
-            None => Ok(()),
-        }
-    }
-
-    /// What stands at the face at an end of an axis (0 to 2); none if there is no such axis.
-    pub fn face(&self, axis: usize, side: Side) -> Option<&Face> {
-        self.faces.0.get(axis).map(|ends| &ends[side as usize])
-    }
-
-    /// What flowed into the box through the open face at an end of an axis (0 to 2) in the last step, m3/s.
-    pub fn inflow(&self, axis: usize, side: Side) -> f64 {
-        self.links.openings.mass((axis, side as usize)) * self.velocity_unit() * self.grid.spacing.powi(2)
     }
 
     /// What drives the flow.

@@ -5,7 +5,6 @@ use crate::fluid::Fluid;
 use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
 use crate::mask::Mask;
-use crate::open::Settings;
 use crate::parallel;
 use crate::reading::ReadBrick;
 use crate::step::Step;
@@ -193,20 +192,6 @@ impl Lattice for Fluid {
 }
 
 impl Fluid {
-    /// Reads what open faces need of the flow before a step.
-    fn read_faces(&mut self) -> Result<(), FluidError> {
-        if let Some(fault) = self.links.openings.fault {
-            return Err(FluidError::Other(Box::new(fault)));
-        }
-        let settings = Settings {
-            tau: self.tau,
-            inertia: self.inertia,
-            force: self.force.map(|f| f[0]),
-        };
-        self.links.openings.read(&self.storage, self.odd, settings);
-        Ok(())
-    }
-
     /// Takes several steps without bodies. Where the flow is driven by a force and walls are half way between nodes, up to
     /// eight steps go in one sweep over the memory, which is faster where the populations are larger than the caches; the
     /// result is the same to the last bit.

@@ -3,8 +3,9 @@
 //! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT with magic number 3/16,
 //! another one of [`Collision`], or a [`Model`] of one's own, with the force of Guo, Zheng and Shi (2002), on D3Q19, D3Q27 or
 //! D2Q9 ([`VelocitySet`]); walls are taken from any [`lbm_ibm_coupling::Boundary`], at
-//! rest or sliding on themselves, half way between nodes or where they are ([`WallRule`]); a force density or a flux
-//! ([`Drive`]) drives it.
+//! rest or sliding on themselves, where they are or half way between nodes ([`WallRule`], or a [`LinkRule`] of one's own); a
+//! force density or a flux ([`Drive`]) drives it, or what enters and leaves by its faces ([`Face`]): a velocity, a flux, a
+//! pressure; ends may be convective, or planes of symmetry.
 //!
 //! A step reads and writes each population once, in place (the "AA pattern", Bailey et al. 2009): in an even step a node
 //! finds its populations at home and leaves them there, swapped; in an odd one it finds them in its neighbours, where

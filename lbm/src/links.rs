@@ -383,6 +383,7 @@ impl Links {
             + size_of_val(&*self.fractions)
             + size_of_val(&*self.cuts)
             + size_of_val(&*self.thin)
+            + self.openings.bytes()
     }
 
     /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:

@@ -6,10 +6,12 @@
 //! these is written by the pass, so the order of links does not matter.
 
 use crate::faces::FaceError;
+use crate::fluid::Fluid;
 use crate::links::Link;
 use crate::parallel;
 use crate::stencil::{MAX_Q, Velocities, opposite};
 use crate::storage::Storage;
+use lbm_ibm_coupling::FluidError;
 use std::collections::HashMap;
 
 /// Links that a thread takes at a time, and fewer than which one thread takes all.
@@ -110,17 +112,22 @@ pub struct Openings {
 
 /// The collision as open faces see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings {
-    pub tau: f64,
-    pub inertia: bool,
+struct Settings {
+    tau: f64,
+    inertia: bool,
     /// Uniform force, lattice units.
-    pub force: [f64; 3],
+    force: [f64; 3],
 }
 
 impl Openings {
     /// What is wrong but for the balance of in and out, which the next face may put right.
     pub fn fault_without_balance(&self) -> Option<FaceError> {
         self.fault.filter(|f| !matches!(f, FaceError::Unbalanced { .. }))
+    }
+
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.links) + size_of_val(&*self.samples) + size_of_val(&*self.values)
     }
 
     /// Adds a link.
@@ -172,7 +179,7 @@ impl Openings {
     }
 
     /// Reads what links need of the populations before a step.
-    pub fn read(&mut self, storage: &Storage, odd: bool, settings: Settings) {
+    fn read(&mut self, storage: &Storage, odd: bool, settings: Settings) {
         let half = settings.force.map(|f| 0.5 * f);
         let few = self.samples.len() < NODES * 4;
         parallel::for_pieces(few, &mut self.samples, NODES, |_, samples| {
@@ -241,5 +248,21 @@ impl Openings {
     pub fn mass(&self, face: (usize, usize)) -> f64 {
         let here = self.links.iter().zip(&self.values).filter(|(o, _)| o.face == face);
         here.map(|(_, more)| more).sum()
+    }
+}
+
+impl Fluid {
+    /// Reads what open faces need of the flow before a step.
+    pub(crate) fn read_faces(&mut self) -> Result<(), FluidError> {
+        if let Some(fault) = self.links.openings.fault {
+            return Err(FluidError::Other(Box::new(fault)));
+        }
+        let settings = Settings {
+            tau: self.tau,
+            inertia: self.inertia,
+            force: self.force.map(|f| f[0]),
+        };
+        self.links.openings.read(&self.storage, self.odd, settings);
+        Ok(())
     }
 }

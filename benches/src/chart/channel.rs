@@ -3,7 +3,7 @@
 use super::{Chart, Row, Work, seconds_per_call};
 use crate::Fault;
 use lbm_ibm::coupling::{Bricks, Grid, Lattice, UM, Vec3};
-use lbm_ibm::lbm::{Collision, Drive, Fluid, Pace};
+use lbm_ibm::lbm::{Collision, Drive, Fluid, OddRate, Pace, Precision};
 use std::f64::consts::PI;
 
 /// Water in a channel 16 um high, under the force density that drives it at a mean of 1 mm/s between plates.
@@ -18,21 +18,66 @@ const fn trt(magic: f64) -> Collision {
     Collision::Trt { magic }
 }
 
-/// Collisions and relaxation times, a curve each.
-const CURVES: &[(&str, Collision, f64)] = &[
-    ("BGK, tau 0.6", BGK, 0.6),
-    ("BGK, tau 0.8", BGK, 0.8),
-    ("BGK, tau 1", BGK, 1.0),
-    ("BGK, tau 2", BGK, 2.0),
-    ("TRT 3/16, tau 1", trt(3.0 / 16.0), 1.0),
-    ("TRT 3/16, tau 2", trt(3.0 / 16.0), 2.0),
-    ("TRT 3/16, tau 4", trt(3.0 / 16.0), 4.0),
-    ("TRT 3/16, tau 8", trt(3.0 / 16.0), 8.0),
-    ("TRT 1/8, tau 4", trt(1.0 / 8.0), 4.0),
-    ("TRT 1/12, tau 2", trt(1.0 / 12.0), 2.0),
-    ("TRT 1/12, tau 4", trt(1.0 / 12.0), 4.0),
-    ("TRT 1/12, tau 8", trt(1.0 / 12.0), 8.0),
+/// A multiple relaxation time collision with the odd moments of TRT.
+const MRT: Collision = Collision::Mrt {
+    bulk: 1.19,
+    fourth: 1.4,
+    odd: OddRate::Magic(3.0 / 16.0),
+};
+/// Central moments with the odd moments of TRT.
+const CENTRAL: Collision = Collision::CentralMoments {
+    bulk: 1.0,
+    odd: OddRate::Magic(3.0 / 16.0),
+};
+
+/// Collisions, relaxation times and precisions, a curve each.
+const CURVES: &[(&str, Choice)] = &[
+    ("BGK, tau 0.6", choice(BGK, 0.6)),
+    ("BGK, tau 0.8", choice(BGK, 0.8)),
+    ("BGK, tau 1", choice(BGK, 1.0)),
+    ("BGK, tau 2", choice(BGK, 2.0)),
+    ("regularised, tau 1", choice(Collision::RecursiveRegularised, 1.0)),
+    ("MRT 3/16, tau 4", choice(MRT, 4.0)),
+    ("central moments 3/16, tau 4", choice(CENTRAL, 4.0)),
+    ("TRT 3/16, tau 1", choice(trt(3.0 / 16.0), 1.0)),
+    ("TRT 3/16, tau 4", choice(trt(3.0 / 16.0), 4.0)),
+    ("TRT 3/16, tau 8", choice(trt(3.0 / 16.0), 8.0)),
+    ("TRT 1/8, tau 4", choice(trt(1.0 / 8.0), 4.0)),
+    ("TRT 1/12, tau 2", choice(trt(1.0 / 12.0), 2.0)),
+    ("TRT 1/12, tau 4", choice(trt(1.0 / 12.0), 4.0)),
+    ("TRT 1/12, tau 8", choice(trt(1.0 / 12.0), 8.0)),
+    (
+        "TRT 1/12, tau 4, f32",
+        choice(trt(1.0 / 12.0), 4.0).stored(Precision::F32),
+    ),
+    (
+        "TRT 1/12, tau 4, 16 bits",
+        choice(trt(1.0 / 12.0), 4.0).stored(Precision::F16),
+    ),
 ];
+
+/// What a flow is computed with.
+#[derive(Clone, Copy, Debug)]
+struct Choice {
+    collision: Collision,
+    tau: f64,
+    precision: Precision,
+}
+
+const fn choice(collision: Collision, tau: f64) -> Choice {
+    Choice {
+        collision,
+        tau,
+        precision: Precision::F64,
+    }
+}
+
+impl Choice {
+    const fn stored(self, precision: Precision) -> Self {
+        Self { precision, ..self }
+    }
+}
+
 /// Cells across a channel, a point each.
 const CELLS: &[usize] = &[6, 8, 12, 16, 24, 32, 48];
 
@@ -83,15 +128,16 @@ enum Section {
 
 impl Section {
     /// A fluid at rest in a channel, `cells` high and `length` nodes long (and wide, between plates).
-    fn fluid(self, cells: usize, length: usize, collision: Collision, tau: f64) -> Result<(Fluid, Bricks), Fault> {
+    fn fluid(self, cells: usize, length: usize, choice: Choice) -> Result<(Fluid, Bricks), Fault> {
         let spacing = HEIGHT / cells as f64;
         let grid = match self {
             Self::Square => Grid::new([cells, cells, length], spacing, [false, false, true]),
             Self::Plates => Grid::new([cells, length, length], spacing, [false, true, true]),
         };
         let bricks = Bricks::new(&grid);
-        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(tau))?
-            .with_collision(collision)?
+        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(choice.tau))?
+            .with_collision(choice.collision)?
+            .with_precision(choice.precision)
             .with_drive(Drive::Force(Vec3::z() * FORCE))?;
         // At rest when the force sets in.
         fluid.set_velocity(|_| Vec3::zeros());
@@ -121,10 +167,10 @@ impl Section {
     }
 
     /// Seconds of a step, and its node updates, of each choice in a channel as long (and wide) as it is high.
-    fn steps(self, choices: &[(usize, Collision, f64)], quick: bool) -> Result<Vec<(f64, f64)>, Fault> {
+    fn steps(self, choices: &[(usize, Choice)], quick: bool) -> Result<Vec<(f64, f64)>, Fault> {
         let (mut works, mut nodes) = (Vec::<Work>::new(), Vec::new());
-        for &(cells, collision, tau) in choices {
-            let (mut fluid, bricks) = self.fluid(cells, cells, collision, tau)?;
+        for &(cells, choice) in choices {
+            let (mut fluid, bricks) = self.fluid(cells, cells, choice)?;
             nodes.push(fluid.fluid_nodes() as f64);
             // An even and an odd step.
             works.push(Box::new(move || {
@@ -163,12 +209,18 @@ fn settle(fluid: &mut Fluid, bricks: &Bricks, window: usize) -> Result<f64, Faul
 fn steady(section: Section, quick: bool) -> Result<Vec<Row>, Fault> {
     let mut rows = Vec::new();
     for &n in if quick { &CELLS[1..4] } else { CELLS } {
-        let choices: Vec<_> = CURVES.iter().map(|&(_, collision, tau)| (n, collision, tau)).collect();
+        let choices: Vec<_> = CURVES.iter().map(|&(_, choice)| (n, choice)).collect();
         let costs = section.steps(&choices, quick)?;
-        for (&(curve, collision, tau), (seconds, nodes)) in CURVES.iter().zip(costs) {
-            let (mut fluid, bricks) = section.fluid(n, 1, collision, tau)?;
+        for (&(curve, choice), (seconds, nodes)) in CURVES.iter().zip(costs) {
+            let (mut fluid, bricks) = section.fluid(n, 1, choice.stored(Precision::F64))?;
             let window = ((section.decay() / fluid.time_step()).ceil() as usize).max(10);
-            let mean = settle(&mut fluid, &bricks, window)?;
+            let mut mean = settle(&mut fluid, &bricks, window)?;
+            if choice.precision != Precision::F64 {
+                // Rounding hides when it is steady: as many steps as in 64 bits.
+                let (mut rounded, bricks) = section.fluid(n, 1, choice)?;
+                (0..fluid.steps()).try_for_each(|_| rounded.advance(&bricks))?;
+                mean = rounded.superficial_velocity().z;
+            }
             let steps = fluid.steps() as f64;
             rows.push(Row {
                 case: String::new(),
@@ -210,12 +262,15 @@ const TAUS: &[f64] = &[0.55, 0.6, 0.7, 0.8, 1.0, 1.25, 1.5, 2.0, 3.0, 4.0];
 /// Error at a time, over relaxation times.
 fn start_up(quick: bool) -> Result<Vec<Row>, Fault> {
     let end = 0.1 * HEIGHT * HEIGHT * DENSITY / VISCOSITY;
-    let choices: Vec<_> = START_UPS.iter().map(|&(_, collision, n)| (n, collision, 1.0)).collect();
+    let choices: Vec<_> = START_UPS
+        .iter()
+        .map(|&(_, collision, n)| (n, choice(collision, 1.0)))
+        .collect();
     let costs = Section::Plates.steps(&choices, quick)?;
     let mut rows = Vec::new();
     for (&(curve, collision, n), (seconds, nodes)) in START_UPS.iter().zip(costs) {
         for &tau in TAUS {
-            let (mut fluid, bricks) = Section::Plates.fluid(n, 1, collision, tau)?;
+            let (mut fluid, bricks) = Section::Plates.fluid(n, 1, choice(collision, tau))?;
             let steps = (end / fluid.time_step()).round().max(1.0);
             for _ in 0..steps as usize {
                 fluid.advance(&bricks)?;

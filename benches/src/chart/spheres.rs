@@ -4,7 +4,7 @@ use super::{Chart, Row, Work, seconds_per_call};
 use crate::Fault;
 use crate::validate::arrays::{Numerics, sphere_drag};
 use lbm_ibm::coupling::{Bricks, Lattice, Vec3};
-use lbm_ibm::lbm::WallRule;
+use lbm_ibm::lbm::{Collision, OddRate, Precision, WallRule};
 
 /// Radius over the period, of a solid fraction of 1/8, and the drag over Stokes' (Zick and Homsy 1982), of four digits.
 const RADIUS: f64 = 0.3101752454;
@@ -12,17 +12,39 @@ const DRAG: f64 = 4.292;
 /// Half a unit of its last digit: no error is given as less.
 const DIGIT: f64 = 5e-4 / DRAG;
 
-/// Wall rules and relaxation times, a curve each.
-const CURVES: &[(&str, WallRule, f64)] = &[
-    ("halfway, tau 1", WallRule::Halfway, 1.0),
-    ("halfway, tau 4", WallRule::Halfway, 4.0),
-    ("Bouzidi, tau 0.7", WallRule::Bouzidi, 0.7),
-    ("Bouzidi, tau 1", WallRule::Bouzidi, 1.0),
-    ("Bouzidi, tau 4", WallRule::Bouzidi, 4.0),
-    ("CLI, tau 0.7", WallRule::Cli, 0.7),
-    ("CLI, tau 1", WallRule::Cli, 1.0),
-    ("CLI, tau 2", WallRule::Cli, 2.0),
-    ("CLI, tau 4", WallRule::Cli, 4.0),
+const TRT: Collision = Collision::Trt { magic: 3.0 / 16.0 };
+const CENTRAL: Collision = Collision::CentralMoments {
+    bulk: 1.0,
+    odd: OddRate::Magic(3.0 / 16.0),
+};
+
+/// Wall rules, relaxation times, collisions and precisions, a curve each.
+const CURVES: &[(&str, WallRule, f64, Collision, Precision)] = &[
+    ("halfway, tau 1", WallRule::Halfway, 1.0, TRT, Precision::F64),
+    ("halfway, tau 4", WallRule::Halfway, 4.0, TRT, Precision::F64),
+    ("Bouzidi, tau 0.7", WallRule::Bouzidi, 0.7, TRT, Precision::F64),
+    ("Bouzidi, tau 1", WallRule::Bouzidi, 1.0, TRT, Precision::F64),
+    ("Bouzidi, tau 4", WallRule::Bouzidi, 4.0, TRT, Precision::F64),
+    ("CLI, tau 1", WallRule::Cli, 1.0, TRT, Precision::F64),
+    ("CLI, tau 2", WallRule::Cli, 2.0, TRT, Precision::F64),
+    ("CLI, tau 4", WallRule::Cli, 4.0, TRT, Precision::F64),
+    ("CLI, tau 4, f32", WallRule::Cli, 4.0, TRT, Precision::F32),
+    ("CLI, tau 4, 16 bits", WallRule::Cli, 4.0, TRT, Precision::F16),
+    ("CLI, tau 1, BGK", WallRule::Cli, 1.0, Collision::Bgk, Precision::F64),
+    (
+        "CLI, tau 1, regularised",
+        WallRule::Cli,
+        1.0,
+        Collision::RecursiveRegularised,
+        Precision::F64,
+    ),
+    (
+        "CLI, tau 4, central moments",
+        WallRule::Cli,
+        4.0,
+        CENTRAL,
+        Precision::F64,
+    ),
 ];
 /// Nodes along the period, a point each: 4 to 10 to the radius.
 const CELLS: &[usize] = &[13, 16, 20, 26, 32];
@@ -46,11 +68,16 @@ fn drags(quick: bool) -> Result<Vec<Row>, Fault> {
     for &cells in if quick { &CELLS[..2] } else { CELLS } {
         let mut works = Vec::<Work>::new();
         let mut found = Vec::new();
-        for &(_, rule, tau) in CURVES {
+        for &(_, rule, tau, collision, precision) in CURVES {
+            let numerics = Numerics {
+                collision,
+                precision,
+                ..Numerics::new(rule, tau, cells)
+            };
             let (mut squares, mut steps) = (0.0, 0.0);
             let mut last = None;
             for place in PLACES {
-                let (drag, fluid) = sphere_drag(Numerics { rule, tau, cells }, RADIUS, Vec3::from(place))?;
+                let (drag, fluid) = sphere_drag(numerics, RADIUS, Vec3::from(place))?;
                 squares += (drag / DRAG - 1.0).powi(2) / PLACES.len() as f64;
                 steps += fluid.steps() as f64 / PLACES.len() as f64;
                 last = Some(fluid);

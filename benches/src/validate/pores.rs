@@ -47,11 +47,7 @@ fn resistance(cells: usize, thickness: f64, round: bool) -> Result<f64, Fault> {
         let from_axis = if round { r.y.hypot(r.z) } else { r.y.abs() };
         plate(r.x, thickness * h, from_axis - 0.5 * h)
     };
-    let numerics = Numerics {
-        rule: WallRule::Cli,
-        tau: 1.5,
-        cells,
-    };
+    let numerics = Numerics::new(WallRule::Cli, 1.5, cells);
     let window = pitch * pitch / 10;
     let steady = Steady::new(
         [along, pitch, wide],
