@@ -46,6 +46,10 @@ pub trait ImmersedBody: Any + Send + Sync {
     /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range.
     fn add_internal_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>);
 
+    /// Moves what its forces remember on by `time_step` (s), at whose end its nodes are at `x` (m). Called once a step, after
+    /// the nodes have moved. By default it remembers nothing.
+    fn advance(&mut self, _x: Soa3Ref<'_>, _time_step: f64) {}
+
     /// Mass and drive of a body that moves as [`Motion::Rigid`].
     fn rigid(&self) -> Option<Rigid> {
         None
