@@ -55,6 +55,10 @@ pub trait ImmersedBody: Any + Send + Sync {
         None
     }
 
+    /// Moves what its forces remember on by `time_step` (s), at whose end its nodes are at `x` (m). Called once a step, after
+    /// the nodes have moved. By default it remembers nothing.
+    fn advance(&mut self, _x: Soa3Ref<'_>, _time_step: f64) {}
+
     /// Mass and drive of a body that moves as [`Motion::Rigid`].
     fn rigid(&self) -> Option<Rigid> {
         None

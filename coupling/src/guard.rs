@@ -19,8 +19,8 @@ pub struct Guard {
     pub triangle: f64,
     /// Greatest length of an edge relative to rest.
     pub stretch: f64,
-    /// Greatest angle between the normals of two neighbouring triangles, rad: near pi one of them has turned over. Triangles
-    /// that enclose more at rest are not looked at.
+    /// Greatest angle between the normals of two neighbouring triangles, rad: near pi one of them has turned over.
+    /// Triangles that enclose more at rest are not looked at.
     pub fold: f64,
     /// Greatest depth of a node in a wall, m.
     pub depth: f64,

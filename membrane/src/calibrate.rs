@@ -1,9 +1,10 @@
 //! Calibration: the moduli of a cell from its stretching curve.
 //!
-//! The diameters of a cell under a pull are computed by [`Stretch`](crate::stretch::Stretch) and fitted to those measured by least
-//! squares (Levenberg, Q. Appl. Math. 2, 164, 1944; Marquardt, J. SIAM 11, 431, 1963) in the logarithms of the free moduli,
-//! which keeps them positive and makes their errors relative. The curvature of the sum of squares at its minimum gives 95 %
-//! confidence intervals; the singular values of its Jacobian tell which products of moduli the data do not determine.
+//! The diameters of a cell under a pull are computed by [`Stretch`] and fitted to those measured by least squares
+//! (Levenberg, Q. Appl. Math. 2, 164, 1944; Marquardt, J. SIAM 11, 431, 1963) in the logarithms of the free moduli,
+//! which keeps them positive and makes their errors relative. The curvature of the sum of squares at its minimum gives
+//! 95 % confidence intervals; the singular values of its Jacobian tell which products of moduli the data do not
+//! determine.
 //!
 //! ```
 //! use lbm_ibm_membrane::calibrate::{Calibration, Point};
@@ -38,8 +39,8 @@ use std::sync::Arc;
 
 /// Step of the differences that make a Jacobian, in the logarithm of a modulus.
 const STEP: f64 = 0.05;
-/// Greatest force (N) left on a node, unless [`Calibration::with_tolerance`] says otherwise: finer than that of a single
-/// stretch, since it is differences that count.
+/// Greatest force (N) left on a node, unless [`Calibration::with_tolerance`] says otherwise: finer than that of a
+/// single stretch, since it is differences that count.
 pub const TOLERANCE: f64 = 1e-16;
 
 /// A diameter and its standard error.
@@ -187,8 +188,8 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// A cell at rest on `mesh`, pulled by `load`; the moduli `free` are to be found, from those of `material` on, which
-    /// gives the others.
+    /// A cell at rest on `mesh`, pulled by `load`; the moduli `free` are to be found, from those of `material` on,
+    /// which gives the others.
     pub fn new(material: Material, mesh: Arc<Mesh>, load: Load, free: Vec<Modulus>) -> Self {
         Self {
             material,
@@ -208,12 +209,13 @@ impl Calibration {
 
     /// Fits the free moduli to the points of a curve.
     ///
-    /// Errors of the diameters that are given count as they are, and are widened together where the fit is worse than they
-    /// allow; where none is given they are taken as equal, and their size from the fit.
+    /// Errors of the diameters that are given count as they are, and are widened together where the fit is worse than
+    /// they allow; where none is given they are taken as equal, and their size from the fit.
     ///
     /// # Errors
-    /// [`MembraneError::TooFewData`]; [`MembraneError::NotPositive`] for a free modulus that starts at zero or an error that
-    /// is missing among others; [`MembraneError::NoEquilibrium`] where the cell to start from cannot be stretched.
+    /// [`MembraneError::TooFewData`]; [`MembraneError::NotPositive`] for a free modulus that starts at zero or an
+    /// error that is missing among others; [`MembraneError::NoEquilibrium`] where the cell to start from cannot be
+    /// stretched.
     pub fn fit(&self, points: &[Point]) -> Result<Fit, MembraneError> {
         let mut points = points.to_vec();
         points.sort_by(|a, b| a.force.total_cmp(&b.force));
@@ -323,8 +325,8 @@ impl Calibration {
     }
 }
 
-/// Standard deviation of a quantity whose slopes in the logarithms are `along`; infinite where a direction that the data do
-/// not see has a part in it.
+/// Standard deviation of a quantity whose slopes in the logarithms are `along`; infinite where a direction that the
+/// data do not see has a part in it.
 fn deviation(singular: &[(f64, Vec<f64>)], along: &dyn Fn(usize) -> f64) -> f64 {
     let part = |(size, direction): &(f64, Vec<f64>)| {
         let slope: f64 = direction.iter().enumerate().map(|(i, d)| d * along(i)).sum();
@@ -345,8 +347,8 @@ impl Model for Stretching<'_> {
     type Error = MembraneError;
 
     fn residuals(&mut self, logarithms: &DVector<f64>) -> Result<DVector<f64>, MembraneError> {
-        // Always from rest and by rising forces: a membrane may have more than one equilibrium, and which it finds depends
-        // on the way.
+        // Always from rest and by rising forces: a membrane may have more than one equilibrium, and which it finds
+        // depends on the way.
         let mut stretch = self.calibration.stretch(&self.calibration.with(logarithms))?;
         let mut residuals = Vec::new();
         for point in self.points {

@@ -105,6 +105,12 @@ impl ImmersedBody for Cell {
         }
     }
 
+    fn advance(&mut self, x: Soa3Ref<'_>, time_step: f64) {
+        for law in &mut self.laws {
+            law.advance(x, time_step);
+        }
+    }
+
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
         self.laws.iter().map(|law| law.energy(x)).sum()
     }

@@ -13,7 +13,8 @@ const MIXING: f64 = 0.1;
 ///
 /// // A node on a spring of 2 N/m about x = 1.
 /// let mut x: Soa3 = [Vec3::zeros()].into_iter().collect();
-/// let rest = Fire { tolerance: 1e-12, iterations: 1000, time_step: 0.5 }.rest(&mut x, |x, f| f.x[0] = 2.0 * (1.0 - x.x[0]));
+/// let fire = Fire { tolerance: 1e-12, iterations: 1000, time_step: 0.5 };
+/// let rest = fire.rest(&mut x, |x, f| f.x[0] = 2.0 * (1.0 - x.x[0]));
 /// assert!(rest.settled && (x.x[0] - 1.0).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +39,8 @@ pub struct Rest {
 }
 
 impl Fire {
-    /// Moves the nodes `x` (m) until they are at rest under `forces`, which fills the forces (N) at given positions into
-    /// an array of zeros.
+    /// Moves the nodes `x` (m) until they are at rest under `forces`, which fills the forces (N) at given positions
+    /// into an array of zeros.
     pub fn rest(&self, x: &mut Soa3, mut forces: impl FnMut(Soa3Ref<'_>, &mut Soa3)) -> Rest {
         let n = x.len();
         let (mut v, mut f) = (Soa3::zeros(n), Soa3::zeros(n));

@@ -5,16 +5,17 @@
 //! [`Volume`]. `Corrected`: [`Stretching`] and [`Volume`] as they are, for they derive from an energy, with
 //! [`Bending`], [`LocalArea`] and [`GlobalArea`], the gradients of energies with the same response at small strain.
 //!
-//! Beside them stand laws of the physics of cells: [`NeoHookean`] and [`Skalak`] membranes with a strain energy in their
-//! plane, shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`] or [`Helfrich`], the [`CorticalTension`] of
-//! a leucocyte with the [`Pressure`] that it makes, and the [`Viscosity`] of the membrane.
+//! Beside them stand laws of the physics of cells: [`NeoHookean`] and [`Skalak`] membranes with a strain energy in
+//! their plane, shear as a network of [`WormLikeChain`]s, bending as [`KantorNelson`] or [`Helfrich`], the
+//! [`CorticalTension`] of a leucocyte with the [`Pressure`] that it makes, and the viscosity of the membrane
+//! ([`Viscosity`], and [`Maxwell`] for explicit steps).
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
 //! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`AreaVolume`] | 0 | 0 | yes |
 //! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`] | 0 | 0 | yes |
 //! | [`CorticalTension`], [`Pressure`] | 0 | 0 | yes |
-//! | [`Viscosity`] | 0 | 0 | no, it takes power |
+//! | [`Viscosity`], [`Maxwell`] | 0 | 0 | no, they take power |
 //! | [`Bending2011`] | 0 | not 0 | no |
 //! | [`Area2011`] | not 0 | not 0 | no |
 //! | [`Balanced`] | 0 | 0 | no |
@@ -31,6 +32,7 @@ mod helfrich;
 mod hinge;
 mod hyperelastic;
 mod kantor_nelson;
+mod maxwell;
 mod neo_hookean;
 mod pressure;
 mod rigid;
@@ -50,6 +52,7 @@ pub use bending_2011::Bending2011;
 pub use cortical::CorticalTension;
 pub use helfrich::Helfrich;
 pub use kantor_nelson::KantorNelson;
+pub use maxwell::Maxwell;
 pub use neo_hookean::NeoHookean;
 pub use pressure::Pressure;
 pub use skalak::Skalak;
@@ -96,6 +99,11 @@ pub trait Law: BoxedClone + Send + Sync {
     fn energy(&self, _x: Soa3Ref<'_>) -> Option<f64> {
         None
     }
+
+    /// Moves what it remembers on by `time_step` (s), at whose end the nodes are at `x` (m). Called once a step, after
+    /// the nodes have moved; forces may be asked for at any other positions in between. A law without memory has
+    /// nothing to do.
+    fn advance(&mut self, _x: Soa3Ref<'_>, _time_step: f64) {}
 }
 
 /// Copies a boxed law; every [`Law`] that is `Clone` has it.

@@ -44,8 +44,8 @@ pub struct Material {
     pub area: f64,
     /// Modulus of the cell's volume, Pa: [`Volume`].
     pub volume: f64,
-    /// Cortical tension, N/m: [`CorticalTension`], with the [`Pressure`] in a sphere of the cell's volume, so that a sphere is at
-    /// rest at its size.
+    /// Cortical tension, N/m: [`CorticalTension`], with the [`Pressure`] in a sphere of the cell's volume, so that a
+    /// sphere is at rest at its size.
     pub tension: f64,
 }
 

@@ -4,14 +4,14 @@ use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{BodyInfo, ForceField, Loads, Vec3, View};
 use std::ops::Range;
 
-/// Springs between the nodes of a nucleus and those of its cell: E = sum of k/2 (l - l0)^2, k in N/m. They stand for the
-/// filaments that hold a nucleus in its place.
+/// Springs between the nodes of a nucleus and those of its cell: E = sum of k/2 (l - l0)^2, k in N/m. They stand for
+/// the filaments that hold a nucleus in its place.
 ///
-/// The nucleus is a body of its own, placed where the cell is, with laws, viscosity of its inside and motion of its own. Each of
-/// its nodes is linked to the cell's node that lies most nearly in the same direction from the common origin; at rest no
-/// link pulls. Central forces between pairs keep force and torque. The links do not keep the two surfaces apart when the
-/// cell is squeezed flat on the nucleus: add a repulsion between the bodies for that. If one of the two bodies is gone, nothing
-/// pulls on the other.
+/// The nucleus is a body of its own, placed where the cell is, with laws, viscosity of its inside and motion of its
+/// own. Each of its nodes is linked to the cell's node that lies most nearly in the same direction from the common
+/// origin; at rest no link pulls. Central forces between pairs keep force and torque. The links do not keep the two
+/// surfaces apart when the cell is squeezed flat on the nucleus: add a repulsion between the bodies for that. If one
+/// of the two bodies is gone, nothing pulls on the other.
 ///
 /// ```
 /// use lbm_ibm_coupling::{Motion, Scene};
@@ -45,12 +45,12 @@ pub struct NucleusLinks {
 }
 
 impl NucleusLinks {
-    /// Links the nucleus to the cell, both given by the number that the scene knows them by and their mesh at rest, with
-    /// springs of `stiffness` k in N/m each.
+    /// Links the nucleus to the cell, both given by the number that the scene knows them by and their mesh at rest,
+    /// with springs of `stiffness` k in N/m each.
     ///
     /// # Errors
-    /// [`MembraneError::NotPositive`]; [`MembraneError::NucleusOutside`] where a node of the nucleus lies farther out than the
-    /// node of the cell in its direction.
+    /// [`MembraneError::NotPositive`]; [`MembraneError::NucleusOutside`] where a node of the nucleus lies farther out
+    /// than the node of the cell in its direction.
     pub fn new(cell: (u32, &Mesh), nucleus: (u32, &Mesh), stiffness: f64) -> Result<Self, MembraneError> {
         let (outer, inner) = (cell.1.nodes(), nucleus.1.nodes());
         let directions: Vec<Vec3> = outer.iter().map(|x| x / x.norm()).collect();

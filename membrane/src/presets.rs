@@ -1,11 +1,11 @@
 //! Cells with their moduli and where these come from.
 //!
-//! The paper's two cells are [`rbc_paper`] and [`ctc_paper`], by the numbers of its Table 1. The table gives bare numbers. Read
-//! with lengths in um and forces in nN, and with the formulas of the software of the time, they reproduce both of the
-//! paper's calibrations; see [`crate::stretch`].
+//! The paper's two cells are [`rbc_paper`] and [`ctc_paper`], by the numbers of its Table 1. The table gives bare
+//! numbers. Read with lengths in um and forces in nN, and with the formulas of the software of the time, they
+//! reproduce both of the paper's calibrations; see [`crate::stretch`].
 //!
-//! The others are [`Preset`]s of the physics: a shape, a [`Material`](crate::Material) and its source. A value that could not be
-//! checked against its source says UNVERIFIED.
+//! The others are [`Preset`]s of the physics: a shape, a [`Material`](crate::Material) and its source. A value that
+//! could not be checked against its source says UNVERIFIED.
 
 mod cancer;
 mod healthy;
@@ -70,8 +70,9 @@ impl Moduli {
 
     /// The moduli that give the same continuum on a mesh with edges of `to` (m) as these do with edges of `from` (m).
     ///
-    /// For equilateral triangles of edge L0: shear modulus sqrt(3)/4 ks/L0 and area modulus 2 k/L0, so ks and k go with L0;
-    /// bending stiffness 3/4 kb L0/theta0 with theta0 near pi, so kb goes with 1/L0; kv is the volume modulus itself.
+    /// For equilateral triangles of edge L0: shear modulus sqrt(3)/4 ks/L0 and area modulus 2 k/L0, so ks and k go
+    /// with L0; bending stiffness 3/4 kb L0/theta0 with theta0 near pi, so kb goes with 1/L0; kv is the volume modulus
+    /// itself.
     pub fn for_edge(self, from: f64, to: f64) -> Self {
         let ratio = to / from;
         Self {
@@ -130,8 +131,8 @@ pub const CTC_DIAMETER: f64 = 16e-6;
 
 /// The paper's red blood cell: 400 nodes, 796 triangles, 8 um, its axis along z, on a [`Spacing::Spiral`] mesh.
 ///
-/// With [`Form::Paper2011`] the pattern of the mesh is part of the model: on meshes of the same size and number of nodes
-/// the stretched cell's axial diameter differs by 5 %, its transverse diameter and thickness by 5 to 10 %.
+/// With [`Form::Paper2011`] the pattern of the mesh is part of the model: on meshes of the same size and number of
+/// nodes the stretched cell's axial diameter differs by 5 %, its transverse diameter and thickness by 5 to 10 %.
 ///
 /// # Errors
 /// None that is expected; the mesh generator's are passed on.

@@ -1,14 +1,14 @@
 //! Static stretch: the shape of a cell that is pulled along x, without a fluid.
 //!
-//! Equal forces act on a patch of nodes at each end, +F along x at the one and -F at the other, as in optical tweezers, or
-//! a stress on the surface as in an optical stretcher ([`Load`]). The rest shape is found by damped dynamics
-//! ([`Fire`](crate::fire::Fire)), which needs forces only: the laws of 2011 have no energy to minimise. They do not keep momentum
-//! either, so the net force and torque are taken off all nodes evenly, as the friction of a fluid or a holder would; the
-//! residual is what is left.
+//! Equal forces act on a patch of nodes at each end, +F along x at the one and -F at the other, as in optical
+//! tweezers, or a stress on the surface as in an optical stretcher ([`Load`]). The rest shape is found by damped
+//! dynamics ([`Fire`]), which needs forces only: the laws of 2011 have no energy to minimise. They do not keep
+//! momentum either, so the net force and torque are taken off all nodes evenly, as the friction of a fluid or a holder
+//! would; the residual is what is left.
 //!
-//! How far to go matters: the last modes to come to rest are the softest, the bending of a red blood cell's cross-section.
-//! Stopped at 1e-13 N, the paper's cell is 2 to 7 % too wide and up to 18 % too thin; the default of 1e-15 N is within
-//! 0.03 % of 1e-17 N in the axial diameter and 0.4 % in the other two.
+//! How far to go matters: the last modes to come to rest are the softest, the bending of a red blood cell's
+//! cross-section. Stopped at 1e-13 N, the paper's cell is 2 to 7 % too wide and up to 18 % too thin; the default of
+//! 1e-15 N is within 0.03 % of 1e-17 N in the axial diameter and 0.4 % in the other two.
 
 mod load;
 mod patch;

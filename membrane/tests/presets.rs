@@ -9,8 +9,8 @@ use lbm_ibm_membrane::{Material, MembraneError, Modulus, Sheet};
 /// Force; bar of the axial diameter; mean and curve of the transverse one, its bar.
 type Row = (f64, [f64; 2], f64, f64, [f64; 2]);
 
-/// Force (pN); bar of the axial diameter; mean of the transverse one, that of the reference curve, its bar (um): optical
-/// tweezers (Mills et al. 2004, Suresh et al. 2005, digitised by the authors of HemoCell).
+/// Force (pN); bar of the axial diameter; mean of the transverse one, that of the reference curve, its bar (um):
+/// optical tweezers (Mills et al. 2004, Suresh et al. 2005, digitised by the authors of HemoCell).
 const TWEEZERS: [Row; 12] = [
     (
         16.0,

@@ -1,8 +1,9 @@
 //! Membrane viscosity: no power in rigid motions, the tensions of known flows, recovery within eta/G.
 
-use lbm_ibm_coupling::{Soa3, Vec3};
-use lbm_ibm_membrane::laws::{CorticalTension, Viscosity, WormLikeChain};
-use lbm_ibm_membrane::{Law, Mesh};
+use lbm_ibm_coupling::nalgebra::Isometry3;
+use lbm_ibm_coupling::{ImmersedBody, Motion, Scene, Soa3, Vec3};
+use lbm_ibm_membrane::laws::{CorticalTension, Maxwell, Viscosity, WormLikeChain};
+use lbm_ibm_membrane::{Cell, Law, Mesh};
 
 const ETA: f64 = 0.5e-6;
 const SHEAR: f64 = 5e-6;
@@ -137,4 +138,69 @@ fn a_stretched_membrane_recovers_within_eta_over_shear_modulus() {
     let found = f64::from(steps) * (1.0 - dt / tau).ln() / decay.ln() * tau;
     println!("time constant {:.2} ms, eta/G = {:.2} ms", found * 1e3, tau * 1e3);
     assert!((found / tau - 1.0).abs() < 0.1, "{found:e} {tau:e}");
+}
+
+/// A prolate of the sphere's volume, `pulled` times as long.
+fn prolate(mesh: &Mesh, pulled: f64) -> Soa3 {
+    let thin = 1.0 / pulled.sqrt();
+    mesh.nodes()
+        .iter()
+        .map(|x| x.component_mul(&Vec3::new(pulled, thin, thin)))
+        .collect()
+}
+
+#[test]
+fn springs_and_dashpots_recover_within_eta_over_shear_modulus() {
+    // In a scene without a fluid: a little friction stands for it.
+    let spring = 20.0 * SHEAR;
+    let mesh = std::sync::Arc::new(Mesh::sphere(4e-6, 100).unwrap());
+    let mut cell = Cell::new("sheet", mesh.clone())
+        .with_law(WormLikeChain::new(&mesh, SHEAR).unwrap())
+        .with_law(Maxwell::new(&mesh, ETA, spring).unwrap())
+        .with_motion(Motion::Overdamped { friction: 2e-9 });
+    let x = prolate(&mesh, 1.02);
+    // Held there until the dashpots have given way.
+    cell.advance(x.view(), 1e3 * ETA / spring);
+    let tau = ETA / SHEAR;
+    let dt = 2e-6;
+    let mut scene = Scene::without_fluid(dt).unwrap();
+    let body = scene.add_body(cell, &Isometry3::identity()).unwrap();
+    scene.set_body_positions(body, x.view()).unwrap();
+    let elastic = WormLikeChain::new(&mesh, SHEAR).unwrap();
+    let strain = |scene: &Scene| elastic.energy(scene.body_positions(body).unwrap()).unwrap().sqrt();
+    let run = |scene: &mut Scene, time: f64| {
+        for _ in 0..(time / dt).round() as usize {
+            scene.step().unwrap();
+        }
+    };
+    // The springs give at once, and the friction settles; then one exponential is left.
+    run(&mut scene, 0.1 * tau);
+    let first = strain(&scene);
+    run(&mut scene, 0.5 * tau);
+    let found = 0.5 * tau / (first / strain(&scene)).ln();
+    println!("time constant {:.2} ms, eta/G = {:.2} ms", found * 1e3, tau * 1e3);
+    assert!((found / tau - 1.0).abs() < 0.1, "{found:e} {tau:e}");
+    // The standard linear solid's own: eta (1/G + 1/G').
+    assert!((found / (tau * 1.05) - 1.0).abs() < 0.03, "{found:e}");
+}
+
+#[test]
+fn a_steady_strain_rate_is_answered_by_the_viscosity() {
+    // After tau the springs pull as dashpots do: a sphere that grows at rate a has the tension 2 zeta a, zeta = 2 eta.
+    let mesh = Mesh::sphere(4e-6, 642).unwrap();
+    let spring = 200e-6;
+    let (rate, dt) = (0.1, 1e-4);
+    let mut law = Maxwell::new(&mesh, ETA, spring).unwrap();
+    let mut x: Soa3 = mesh.nodes().iter().collect();
+    for _ in 0..400 {
+        x = x.iter().map(|x| x * (1.0 + rate * dt)).collect();
+        law.advance(x.view(), dt);
+    }
+    let zero = Soa3::zeros(x.len());
+    let radial = |f: &Soa3| f.iter().zip(x.iter()).map(|(f, x)| f.dot(&x)).sum::<f64>();
+    let found = radial(&forces(&mut law, &x, &zero));
+    let tension = CorticalTension::new(&mesh, 2.0 * (2.0 * ETA) * rate).unwrap();
+    let wanted = radial(&forces(&mut tension.clone(), &x, &zero));
+    println!("{:.3}", found / wanted);
+    assert!((found / wanted - 1.0).abs() < 2e-3, "{found:e} {wanted:e}");
 }

@@ -100,9 +100,10 @@ pub fn paper_ctc_stretch(table: &Table, _effort: Effort) -> Outcome {
     )
 }
 
-/// The physical and the paper's red cell against the optical tweezers' bars: the error is relative to half a bar, so 1 is
-/// its end. The physical one's transverse diameter below 88 pN: relative to the distance of the file's curve from the mean.
-/// Last, what the physical cell predicts when its shear modulus comes from one force alone: relative to half the interval.
+/// The physical and the paper's red cell against the optical tweezers' bars: the error is relative to half a bar, so 1
+/// is its end. The physical one's transverse diameter below 88 pN: relative to the distance of the file's curve from
+/// the mean. Last, what the physical cell predicts when its shear modulus comes from one force alone: relative to half
+/// the interval.
 pub fn rbc_optical_tweezers(table: &Table, effort: Effort) -> Outcome {
     let mut findings = compare(
         table,
@@ -165,8 +166,8 @@ fn bar(row: &Row, low: &str, high: &str) -> Result<(f64, f64), ReferenceError> {
     Ok((0.5 * (low + high), 0.5 * (high - low)))
 }
 
-/// Takes the shear modulus from the axial diameter at 47 pN, half a bar as its standard error, and predicts those at higher
-/// forces.
+/// Takes the shear modulus from the axial diameter at 47 pN, half a bar as its standard error, and predicts those at
+/// higher forces.
 fn predict(findings: &mut Findings, table: &Table, preset: &Preset, ends: Ends) -> Result<(), Fault> {
     const ONE: f64 = 47.0;
     const OTHERS: [f64; 2] = [108.5, 172.8];

@@ -64,6 +64,9 @@ impl Scene {
         );
         self.constrain();
         rigid::advance(self);
+        for (slot, info) in self.bodies.iter_mut().zip(&self.infos) {
+            slot.body.advance(part(self.x.view(), &info.range), self.time_step);
+        }
         self.step += 1;
         self.time = self.step as f64 * self.time_step;
         if self.step.is_multiple_of(self.guard.every) {

@@ -5,8 +5,8 @@ use crate::MembraneError;
 use std::path::Path;
 
 /// Reads a stretching curve from a CSV file: columns `force_pN` and `axial_um`, and where they are there
-/// `axial_error_um`, `transverse_um` and `transverse_error_um` (standard errors), in any order and among others; an empty
-/// field or `nan` is no value. Lines that begin with # are comments.
+/// `axial_error_um`, `transverse_um` and `transverse_error_um` (standard errors), in any order and among others; an
+/// empty field or `nan` is no value. Lines that begin with # are comments.
 ///
 /// # Errors
 /// [`MembraneError::Import`].

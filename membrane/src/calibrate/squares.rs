@@ -32,8 +32,8 @@ pub(super) struct Minimum {
     pub iterations: usize,
 }
 
-/// Searches for the least sum of squares from a start. A step at which the residuals cannot be computed counts as one that
-/// makes them worse.
+/// Searches for the least sum of squares from a start. A step at which the residuals cannot be computed counts as one
+/// that makes them worse.
 pub(super) fn minimise<M: Model>(model: &mut M, start: Vec<f64>) -> Result<Minimum, M::Error> {
     let unknowns = DVector::from_vec(start);
     let residuals = model.residuals(&unknowns)?;

@@ -46,6 +46,12 @@ impl Law for Balanced {
             force.add(i, self.scratch.get(i));
         }
     }
+
+    fn advance(&mut self, x: Soa3Ref<'_>, time_step: f64) {
+        for law in &mut self.laws {
+            law.advance(x, time_step);
+        }
+    }
 }
 
 #[cfg(test)]

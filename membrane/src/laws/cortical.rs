@@ -5,13 +5,14 @@ use super::triangles::{self, Tensions};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
 
-/// Constant tension of the cortex: E = T S, T in N/m, S the area of the cell. The liquid-drop model of a leucocyte (Yeung and
-/// Evans, Biophys. J. 56, 139, 1989; Hochmuth, J. Biomech. 33, 15, 2000). F = -dE/dx; keeps force and torque.
+/// Constant tension of the cortex: E = T S, T in N/m, S the area of the cell. The liquid-drop model of a leucocyte
+/// (Yeung and Evans, Biophys. J. 56, 139, 1989; Hochmuth, J. Biomech. 33, 15, 2000). F = -dE/dx; keeps force and
+/// torque.
 ///
 /// It has no rest shape: the cell becomes a sphere, inside which the pressure is higher by 2 T/R. With a
-/// [`Volume`](super::Volume) law of modulus kv the volume settles lower by 2 T/(R kv), unless that law's rest volume is
-/// larger. Nothing holds the nodes in the surface: add a weak law that does, such as [`Bending`](super::Bending) with a local
-/// area.
+/// [`Volume`](super::Volume) law of modulus kv the volume settles lower by 2 T/(R kv), unless that law's rest volume
+/// is larger. Nothing holds the nodes in the surface: add a weak law that does, such as [`Bending`](super::Bending)
+/// with a local area.
 #[derive(Clone, Debug)]
 pub struct CorticalTension {
     triangles: Vec<[u32; 3]>,

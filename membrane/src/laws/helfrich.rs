@@ -6,17 +6,18 @@ use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 use std::f64::consts::PI;
 
-/// Bending of Helfrich (Z. Naturforsch. C 28, 693, 1973) on the nodes of a mesh after Juelicher (J. Phys. II France 6, 1797,
-/// 1996): E = kappa/2 sum over nodes of A (2 M/A - c0)^2, kappa in J.
+/// Bending of Helfrich (Z. Naturforsch. C 28, 693, 1973) on the nodes of a mesh after Juelicher (J. Phys. II France 6,
+/// 1797, 1996): E = kappa/2 sum over nodes of A (2 M/A - c0)^2, kappa in J.
 ///
-/// M is a node's share of the integrated mean curvature, the sum over its edges of l phi/4 (l the edge's length, phi the angle
-/// between the normals of its triangles, positive where convex); A is a third of the area of its triangles; c0 (1/m) is
-/// the spontaneous curvature, 2/R for a sphere of radius R. A sphere has 8 pi kappa for c0 = 0, whatever its radius: within
-/// 0.6 % on 642 nodes, 0.24 % on 2562.
+/// M is a node's share of the integrated mean curvature, the sum over its edges of l phi/4 (l the edge's length, phi
+/// the angle between the normals of its triangles, positive where convex); A is a third of the area of its triangles;
+/// c0 (1/m) is the spontaneous curvature, 2/R for a sphere of radius R. A sphere has 8 pi kappa for c0 = 0, whatever
+/// its radius: within 0.6 % on 642 nodes, 0.24 % on 2562.
 ///
 /// [`Helfrich::with_area_difference`] adds the elasticity of the difference dA = 2 D sum of M of the areas of the two
-/// leaflets D apart, E = pi kappa_bar/(2 A0 D^2) (dA - dA0)^2 (Miao et al., Phys. Rev. E 49, 5389, 1994). Which triangulated
-/// form to choose is in Bian, Litvinov and Koumoutsakos, Comput. Methods Appl. Mech. Eng. 359, 112758, 2020.
+/// leaflets D apart, E = pi kappa_bar/(2 A0 D^2) (dA - dA0)^2 (Miao et al., Phys. Rev. E 49, 5389, 1994). Which
+/// triangulated form to choose is in Bian, Litvinov and Koumoutsakos, Comput. Methods Appl. Mech. Eng. 359, 112758,
+/// 2020.
 ///
 /// F = -dE/dx; keeps force and torque. The rest shape of the mesh is at rest only where it happens to be a minimum:
 /// unlike hinges with rest angles, this law does not remember a shape.
@@ -68,9 +69,9 @@ impl Helfrich {
         Ok(self)
     }
 
-    /// The same with elasticity of the area difference: its stiffness `kappa_bar` (J), and the relaxed difference as the
-    /// integrated mean curvature `rest` (m) that has it, dA0/(2 D); a sphere of radius R has 4 pi R. The areas refer to
-    /// that of `mesh`.
+    /// The same with elasticity of the area difference: its stiffness `kappa_bar` (J), and the relaxed difference as
+    /// the integrated mean curvature `rest` (m) that has it, dA0/(2 D); a sphere of radius R has 4 pi R. The areas
+    /// refer to that of `mesh`.
     ///
     /// # Errors
     /// [`MembraneError::NotPositive`], [`MembraneError::NotFiniteValue`].

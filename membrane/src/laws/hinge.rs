@@ -50,8 +50,8 @@ impl Hinge {
         [self.first.norm() / length, self.second.norm() / length]
     }
 
-    /// Sine and cosine of the angle by which the two normals differ, positive where the cell is convex: pi less the angle
-    /// inside.
+    /// Sine and cosine of the angle by which the two normals differ, positive where the cell is convex: pi less the
+    /// angle inside.
     #[inline]
     pub fn turn(&self) -> (f64, f64) {
         let sin = self.first.cross(&self.second).dot(&self.edge) / self.edge.norm();

@@ -5,13 +5,13 @@ use super::hinge::{Hinge, nodes};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 
-/// Bending of Kantor and Nelson (Phys. Rev. Lett. 58, 2774, 1987): E = sum over edges of k (1 - cos(phi - phi0)), k in J,
-/// phi the angle between the outward normals of the two triangles, positive where the cell is convex. phi0 is that of the
-/// rest shape or zero. F = -dE/dx; keeps force and torque.
+/// Bending of Kantor and Nelson (Phys. Rev. Lett. 58, 2774, 1987): E = sum over edges of k (1 - cos(phi - phi0)), k in
+/// J, phi the angle between the outward normals of the two triangles, positive where the cell is convex. phi0 is that
+/// of the rest shape or zero. F = -dE/dx; keeps force and torque.
 ///
-/// The continuum's bending stiffness kappa depends on the shape: sqrt(3)/2 k for a cylinder or a small wave of a mesh of
-/// equilateral triangles (Seung and Nelson, Phys. Rev. A 38, 1005, 1988); a sphere has the energy 4 pi k/sqrt(3) (Gompper and
-/// Kroll, J. Phys. I France 6, 1305, 1996), on meshes of uneven edges 7 to 14 % more, however fine.
+/// The continuum's bending stiffness kappa depends on the shape: sqrt(3)/2 k for a cylinder or a small wave of a mesh
+/// of equilateral triangles (Seung and Nelson, Phys. Rev. A 38, 1005, 1988); a sphere has the energy 4 pi k/sqrt(3)
+/// (Gompper and Kroll, J. Phys. I France 6, 1305, 1996), on meshes of uneven edges 7 to 14 % more, however fine.
 /// [`Helfrich`](super::Helfrich) has one stiffness for both.
 #[derive(Clone, Debug)]
 pub struct KantorNelson {

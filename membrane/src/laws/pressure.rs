@@ -4,11 +4,11 @@ use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
 
-/// Constant pressure p (Pa) inside the cell: E = -p (V - V0), a third of p S n on each node of each triangle of area S and
-/// outward normal n. On a closed mesh F = -dE/dx; keeps force and torque.
+/// Constant pressure p (Pa) inside the cell: E = -p (V - V0), a third of p S n on each node of each triangle of area S
+/// and outward normal n. On a closed mesh F = -dE/dx; keeps force and torque.
 ///
-/// It bears what a [`CorticalTension`](super::CorticalTension) T presses on the inside of a sphere of radius R, 2 T/R (Laplace), so
-/// that a [`Volume`](super::Volume) law stays at its rest volume.
+/// It bears what a [`CorticalTension`](super::CorticalTension) T presses on the inside of a sphere of radius R, 2 T/R
+/// (Laplace), so that a [`Volume`](super::Volume) law stays at its rest volume.
 #[derive(Clone, Debug)]
 pub struct Pressure {
     triangles: Vec<[u32; 3]>,

@@ -9,9 +9,9 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 /// dilatational viscosity of the membrane in N s/m (Barthes-Biesel and Sgaier, J. Fluid Mech. 160, 119, 1985). A red
 /// blood cell has eta of 0.3 to 1 uN s/m (Evans and Hochmuth, Biophys. J. 16, 1, 1976).
 ///
-/// With velocities linear in each triangle the forces are minus half the gradient, with respect to the velocities, of the
-/// power that is lost. They keep force and torque, and vanish in every rigid motion. Together with a shear modulus G a shape
-/// recovers within the time eta/G.
+/// With velocities linear in each triangle the forces are minus half the gradient, with respect to the velocities, of
+/// the power that is lost. They keep force and torque, and vanish in every rigid motion. Together with a shear modulus
+/// G a shape recovers within the time eta/G.
 ///
 /// The forces follow from the velocities of the nodes now. An explicit step bears them while eta is below some
 /// rho h^2/dt (a fluid of density rho on a grid of spacing h): far below a red blood cell's.

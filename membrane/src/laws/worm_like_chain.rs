@@ -9,14 +9,13 @@ const EXTENSION: f64 = 1.0 / 2.2;
 /// Power of the repulsion.
 const POWER: i32 = 2;
 
-/// A network of worm-like chains with a power-law repulsion along the edges (Fedosov, Caswell and Karniadakis, Biophys. J.
-/// 98, 2215, 2010): a spring of length L pulls with
-/// a (1/(4 (1 - u)^2) - 1/4 + u) - b/L^2, u = L/Lmax.
+/// A network of worm-like chains with a power-law repulsion along the edges (Fedosov, Caswell and Karniadakis,
+/// Biophys. J. 98, 2215, 2010): a spring of length L pulls with a (1/(4 (1 - u)^2) - 1/4 + u) - b/L^2, u = L/Lmax.
 ///
-/// Each spring is at rest at its length L0 in the mesh, with contour length Lmax = L0/u0 (u0 = 1/2.2), which gives b from
-/// a. The shear modulus G of a network of equilateral triangles gives a: G = sqrt(3)/4 k with the spring's stiffness at
-/// rest k = (a/L0) (u0/(2 (1 - u0)^3) + u0 + 2 g), g = 1/(4 (1 - u0)^2) - 1/4 + u0. It resists dilation with an area
-/// modulus of 2 G; local and global area laws add to that.
+/// Each spring is at rest at its length L0 in the mesh, with contour length Lmax = L0/u0 (u0 = 1/2.2), which gives b
+/// from a. The shear modulus G of a network of equilateral triangles gives a: G = sqrt(3)/4 k with the spring's
+/// stiffness at rest k = (a/L0) (u0/(2 (1 - u0)^3) + u0 + 2 g), g = 1/(4 (1 - u0)^2) - 1/4 + u0. It resists dilation
+/// with an area modulus of 2 G; local and global area laws add to that.
 ///
 /// F = -dE/dx; keeps force and torque. From the contour length on the force is infinite, which ends a run.
 #[derive(Clone, Debug)]

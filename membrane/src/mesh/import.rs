@@ -15,15 +15,16 @@ use vtkio::model::{DataSet, IOBuffer, Piece, VertexNumbers};
 type Soup = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 impl Mesh {
-    /// A mesh from a file whose lengths are in `unit` (m; 1e-6 for a file in micrometres), by the ending of its name: `stl`
-    /// (ASCII or binary), `obj` (polygons are cut into triangles), `vtk` (legacy), `vtp` and `vtu` (XML, not compressed).
+    /// A mesh from a file whose lengths are in `unit` (m; 1e-6 for a file in micrometres), by the ending of its name:
+    /// `stl` (ASCII or binary), `obj` (polygons are cut into triangles), `vtk` (legacy), `vtp` and `vtu` (XML, not
+    /// compressed).
     ///
     /// Nodes at the very same place are made one, since STL has three of its own for each triangle. STL and OBJ come in
     /// single precision. The file's triangles wind outwards by the right hand.
     ///
     /// # Errors
-    /// [`MembraneError::Import`], and those of [`Mesh::new`]: an open surface, one that is not a manifold, mixed or inward
-    /// winding, degenerate triangles.
+    /// [`MembraneError::Import`], and those of [`Mesh::new`]: an open surface, one that is not a manifold, mixed or
+    /// inward winding, degenerate triangles.
     pub fn load(path: impl AsRef<Path>, unit: f64) -> Result<Self, MembraneError> {
         let path = path.as_ref();
         positive("the unit of length of a mesh file", unit)?;

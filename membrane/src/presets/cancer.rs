@@ -1,8 +1,8 @@
 //! Breast cells and breast cancer cells, calibrated to the strains that the paper names.
 //!
-//! Where the force acts matters more than which cell it is: pulled at two patches (5 % of the nodes each) a cell needs 2.8 to
-//! 3.1 times the shear modulus that it needs under the stress of an optical stretcher, for the same strain at the same force on
-//! each half. The paper's cell was pulled at patches; the experiment was a stretcher.
+//! Where the force acts matters more than which cell it is: pulled at two patches (5 % of the nodes each) a cell needs
+//! 2.8 to 3.1 times the shear modulus that it needs under the stress of an optical stretcher, for the same strain at
+//! the same force on each half. The paper's cell was pulled at patches; the experiment was a stretcher.
 
 use super::{CTC_DIAMETER, Outline, Preset};
 use crate::{Material, Sheet};
@@ -37,8 +37,8 @@ pub const MCF10: Preset = preset("MCF-10", 45.42e-6);
 pub const MCF7: Preset = preset("MCF-7", 17.35e-6);
 /// modMCF-7: 30 %, likewise.
 pub const MOD_MCF7: Preset = preset("modMCF-7", 9.940e-6);
-/// MCF-10: 10.5 % under the stress of an optical stretcher ([`Load::CosineSquared`](crate::stretch::Load::CosineSquared)) that
-/// pulls each half by [`PAPER_FORCE`].
+/// MCF-10: 10.5 % under the stress of an optical stretcher
+/// ([`Load::CosineSquared`](crate::stretch::Load::CosineSquared)) that pulls each half by [`PAPER_FORCE`].
 pub const MCF10_STRETCHER: Preset = preset("MCF-10", 15.95e-6);
 /// MCF-7: 21 %, likewise.
 pub const MCF7_STRETCHER: Preset = preset("MCF-7", 5.906e-6);

@@ -5,10 +5,10 @@ use crate::{Disc, Material, Sheet};
 
 /// A human red blood cell, calibrated to optical tweezers.
 ///
-/// Pulled by beads that hold its rim over 2 um ([`Load::Beads`](crate::stretch::Load::Beads)), its axial diameter is inside the bars of
-/// Mills et al. 2004 from 16 to 193 pN, the transverse one from 88 pN, with 400 nodes as with 642. The modulus of the
-/// whole area and that of the volume are penalties: they hold area and volume within 0.3 % at 193 pN, the real area modulus is
-/// 200 to 500 mN/m.
+/// Pulled by beads that hold its rim over 2 um ([`Load::Beads`](crate::stretch::Load::Beads)), its axial diameter is
+/// inside the bars of Mills et al. 2004 from 16 to 193 pN, the transverse one from 88 pN, with 400 nodes as with 642.
+/// The modulus of the whole area and that of the volume are penalties: they hold area and volume within 0.3 % at 193
+/// pN, the real area modulus is 200 to 500 mN/m.
 pub const RED_CELL: Preset = Preset {
     kind: "red cell",
     outline: Outline::Disc(Disc {
@@ -35,8 +35,8 @@ pub const RED_CELL: Preset = Preset {
 
 /// A passive human neutrophil as a liquid drop with cortical tension.
 ///
-/// The weak sheet (a twentieth of the tension) keeps the nodes apart and is no property of the cell. The inside is about
-/// 1e5 times as viscous as water: what flows slowly is not in this membrane.
+/// The weak sheet (a twentieth of the tension) keeps the nodes apart and is no property of the cell. The inside is
+/// about 1e5 times as viscous as water: what flows slowly is not in this membrane.
 pub const NEUTROPHIL: Preset = Preset {
     kind: "neutrophil",
     outline: Outline::Sphere(8.4e-6),
@@ -85,8 +85,8 @@ pub const PLATELET: Preset = Preset {
     source: "shear modulus 30 uN/m from micropipettes (Haga et al., Ann. Biomed. Eng. 26, 268, 1998), size 3 by 0.9 um: UNVERIFIED",
 };
 
-/// A spherical capsule with a neo-Hookean membrane and nothing else, as in studies of capsules in shear flow: scale its shear
-/// modulus to the capillary number mu gamma a/G that is wanted.
+/// A spherical capsule with a neo-Hookean membrane and nothing else, as in studies of capsules in shear flow: scale
+/// its shear modulus to the capillary number mu gamma a/G that is wanted.
 pub const CAPSULE: Preset = Preset {
     kind: "capsule",
     outline: Outline::Sphere(8e-6),

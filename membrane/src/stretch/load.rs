@@ -12,9 +12,10 @@ pub enum Load {
     Ends(Ends),
     /// The same forces on two patches that are glued to beads: the nodes of a patch move as one piece, without turning.
     Beads(Ends),
-    /// A stress s0 cos(theta)^2 along the outward normal, theta the angle between the x axis and the way from the cell's
-    /// centre: an optical stretcher whose two beams run along x (Guck et al., Biophys. J. 81, 767, 2001). The peak
-    /// stress is that which pulls each half of a sphere of the cell's volume by the asked force, s0 = 2 F/(pi R^2).
+    /// A stress s0 cos(theta)^2 along the outward normal, theta the angle between the x axis and the way from the
+    /// cell's centre: an optical stretcher whose two beams run along x (Guck et al., Biophys. J. 81, 767, 2001). The
+    /// peak stress is that which pulls each half of a sphere of the cell's volume by the asked force, s0 = 2 F/(pi
+    /// R^2).
     CosineSquared,
 }
 

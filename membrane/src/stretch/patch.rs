@@ -9,8 +9,8 @@ use lbm_ibm_coupling::{Soa3Ref, Vec3};
 pub enum Patch {
     /// This share of all nodes: those farthest out.
     Fraction(f64),
-    /// Those beyond a chord of this length (m) of the circle whose diameter is the size of the cell along the pull: a bead
-    /// that touches a red blood cell's rim over 2 um holds `Chord(2e-6)`.
+    /// Those beyond a chord of this length (m) of the circle whose diameter is the size of the cell along the pull: a
+    /// bead that touches a red blood cell's rim over 2 um holds `Chord(2e-6)`.
     Chord(f64),
     /// Those nearer than this (m) to the outermost point of the long axis: the contact of a bead of twice this width.
     Within(f64),
