@@ -15,6 +15,7 @@ mod profile;
 mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
+mod stiff;
 mod stretch;
 mod unsteady;
 
@@ -55,6 +56,11 @@ pub const CASES: &[(&str, Case)] = &[
     ("taylor_green_3d", Case::Rows(unsteady::taylor_green_3d)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
+    (
+        "membrane_time_step_limits",
+        Case::Rows(stiff::membrane_time_step_limits),
+    ),
+    ("stiff_membrane", Case::Alone(stiff::stiff_membrane)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),
     ("paper_rbc_stretch", Case::Rows(stretch::paper_rbc_stretch)),
     ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),
