@@ -311,7 +311,7 @@ impl Exchange for DeltaExchange {
         let out = [&mut *velocity.x, &mut *velocity.y, &mut *velocity.z];
         self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
         if let Some(inset) = &self.elastic_inset {
-            inset.to_nodes(velocity);
+            inset.carry(velocity);
         }
     }
 
@@ -323,7 +323,7 @@ impl Exchange for DeltaExchange {
         self.tiles.resize(p.tile_nodes, [0.0; 4]);
         let (table, tiles) = (&self.table, &mut self.tiles);
         let force = match &mut self.elastic_inset {
-            Some(inset) => inset.to_markers(force),
+            Some(inset) => inset.spread(force),
             None => force,
         };
         let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
