@@ -20,6 +20,7 @@ mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
 mod stability;
+mod stiff;
 mod stretch;
 mod unsteady;
 
@@ -66,6 +67,11 @@ pub const CASES: &[(&str, Case)] = &[
     ("linear_stability", Case::Rows(stability::linear_stability)),
     ("ibm_kernel_radius", Case::Rows(kernels::ibm_kernel_radius)),
     ("ibm_sphere_radius", Case::Rows(kernels::ibm_sphere_radius)),
+    (
+        "membrane_time_step_limits",
+        Case::Rows(stiff::membrane_time_step_limits),
+    ),
+    ("stiff_membrane", Case::Alone(stiff::stiff_membrane)),
     ("friction_coupling_slip", Case::Rows(coupling::friction_coupling_slip)),
     ("paper_rbc_stretch", Case::Rows(stretch::paper_rbc_stretch)),
     ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),

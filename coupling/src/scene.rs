@@ -12,7 +12,7 @@ pub use elastic::Elasticity;
 use crate::guard::{Guard, RestShape, outside_walls};
 use crate::{
     BodyInfo, Boundary, Bricks, Domain, Exchange, ForceField, ImmersedBody, Inside, Lattice, Loads, Motion, RigidState,
-    SceneError, Soa3, Soa3Ref, Vec3, View, WallReport,
+    SceneError, Soa3, Soa3Ref, View, WallReport,
 };
 use nalgebra::Isometry3;
 use std::any::Any;
@@ -380,19 +380,6 @@ impl Scene {
     /// Forces of the last step on nodes and walls.
     pub fn loads(&self) -> &Loads {
         &self.loads
-    }
-
-    /// Least distance (m) of any node of a body from the walls; infinite without walls.
-    ///
-    /// # Errors
-    /// [`SceneError::UnknownBody`].
-    pub fn wall_distance(&self, id: u32) -> Result<f64, SceneError> {
-        let x = self.body_positions(id)?;
-        let Some(walls) = &self.walls else {
-            return Ok(f64::INFINITY);
-        };
-        let distance = |p: Vec3| walls.probe(self.domain.wrap(p), self.time).distance;
-        Ok(x.iter().map(distance).fold(f64::INFINITY, f64::min))
     }
 }
 

@@ -311,7 +311,7 @@ impl Exchange for DeltaExchange {
         let out = [&mut *velocity.x, &mut *velocity.y, &mut *velocity.z];
         self.table.to_nodes(|m| u[rank[m] as usize], out, &mut self.scratch);
         if let Some(inset) = &self.elastic_inset {
-            inset.to_nodes(velocity);
+            inset.carry(velocity);
         }
     }
 
@@ -323,7 +323,7 @@ impl Exchange for DeltaExchange {
         self.tiles.resize(p.tile_nodes, [0.0; 4]);
         let (table, tiles) = (&self.table, &mut self.tiles);
         let force = match &mut self.elastic_inset {
-            Some(inset) => inset.to_markers(force),
+            Some(inset) => inset.spread(force),
             None => force,
         };
         let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
@@ -359,12 +359,12 @@ impl Exchange for DeltaExchange {
         self.rigid.layer(body, density)
     }
 
-    /// Three quarters of the lesser of two limits, both by power iteration. The viscous one is `2 / lambda`, `lambda` the
-    /// largest eigenvalue of mobility times stiffness; the mobility of nodes carried by the fluid is that of Rotne, Prager
-    /// and Yamakawa, for spheres as mobile as the markers of a node; that of the others is one over their friction. The
-    /// inertial one is `2 / omega`, `omega` the fastest oscillation of the nodes with the mass of fluid that they move
-    /// within a step: their share of the surface times the thickness of the kernel, `h / sum phi^2`. It binds where a
-    /// global volume law is stiffer than the fluid is compressible.
+    /// Three quarters of the lesser of two limits. The viscous one is `2 / lambda`, `lambda` the largest eigenvalue of
+    /// mobility times stiffness by power iteration; the mobility of nodes carried by the fluid is that of Rotne, Prager and
+    /// Yamakawa, for spheres as mobile as the markers of a node; that of the others is one over their friction. The
+    /// inertial one is `2 / omega`, `omega` the frequency at which the body breathes with the mass of fluid that its nodes
+    /// move within a step: their share of the surface times the thickness of the kernel, `h / sum phi^2`. It binds where a
+    /// volume law is stiffer than the fluid is compressible.
     fn stable_step(&self, body: &mut dyn ImmersedBody, x: Soa3Ref<'_>, viscosity: f64, density: f64) -> Option<f64> {
         if body.motion() == Motion::Rigid {
             return None;

@@ -93,7 +93,7 @@ impl Inset {
     }
 
     /// Velocities of the nodes (m/s) of those of the parallel surfaces.
-    pub fn to_nodes(&self, mut velocity: Soa3Mut<'_>) {
+    pub fn carry(&self, mut velocity: Soa3Mut<'_>) {
         for body in &self.bodies {
             let spin = |i: usize| (self.y.get(i) - body.centre).cross(&velocity.get(i));
             let turn = body.inverse * body.range.clone().map(spin).sum::<Vec3>();
@@ -104,7 +104,7 @@ impl Inset {
     }
 
     /// Forces on the parallel surfaces (N) of those on the nodes.
-    pub fn to_markers(&mut self, force: Soa3Ref<'_>) -> Soa3Ref<'_> {
+    pub fn spread(&mut self, force: Soa3Ref<'_>) -> Soa3Ref<'_> {
         for i in 0..force.len() {
             self.force.set(i, force.get(i));
         }

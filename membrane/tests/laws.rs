@@ -3,7 +3,7 @@
 use lbm_ibm_coupling::nalgebra::Rotation3;
 use lbm_ibm_coupling::{ImmersedBody, Soa3, Vec3};
 use lbm_ibm_membrane::laws::{
-    Area2011, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, NeoHookean,
+    Area2011, AreaVolume, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, NeoHookean,
     Pressure, Reach, Skalak, Stretching, Volume, WormLikeChain,
 };
 use lbm_ibm_membrane::{Disc, Form, Law, Mesh, Moduli, Spacing, presets};
@@ -27,6 +27,12 @@ fn with_memory() -> Vec<Box<dyn Law>> {
             Box::new(KantorNelson::new(m, 3e-19)?),
             Box::new(NeoHookean::new(m, 5e-6)?),
             Box::new(Skalak::new(m, 5e-6, 10.0)?),
+            Box::new(AreaVolume::new(
+                m,
+                LocalArea::modulus_from_2011(m, M.local_area),
+                LocalArea::modulus_from_2011(m, M.global_area),
+                M.volume,
+            )?),
         ])
     };
     build().expect("positive moduli")
@@ -248,4 +254,17 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn area_and_volume_together_are_the_sum_of_the_three() {
+    let x = deformed(0.2, 5);
+    let mut laws = with_energy();
+    let all: Vec<Soa3> = laws.iter_mut().map(|law| forces(law.as_mut(), &x)).collect();
+    for i in 0..x.len() {
+        let sum: Vec3 = all[2..5].iter().map(|f| f.get(i)).sum();
+        assert!((all[5].get(i) - sum).norm() < 1e-12 * sum.norm(), "node {i}");
+    }
+    let energies: Vec<f64> = laws.iter().filter_map(|law| law.energy(x.view())).collect();
+    assert!((energies[5] / energies[2..5].iter().sum::<f64>() - 1.0).abs() < 1e-14);
 }

@@ -1,11 +1,24 @@
 //! What a scene says of itself.
 
 use super::Scene;
-use crate::SceneError;
 use crate::guard::Scope;
+use crate::{SceneError, Vec3};
 use std::fmt;
 
 impl Scene {
+    /// Least distance (m) of any node of a body from the walls; infinite without walls.
+    ///
+    /// # Errors
+    /// [`SceneError::UnknownBody`].
+    pub fn wall_distance(&self, id: u32) -> Result<f64, SceneError> {
+        let x = self.body_positions(id)?;
+        let Some(walls) = &self.walls else {
+            return Ok(f64::INFINITY);
+        };
+        let distance = |p: Vec3| walls.probe(self.domain.wrap(p), self.time).distance;
+        Ok(x.iter().map(distance).fold(f64::INFINITY, f64::min))
+    }
+
     /// Looks at everything, as the guard does every so many steps.
     ///
     /// # Errors

@@ -108,6 +108,16 @@ fn other_motions() {
     assert_eq!(stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5), None);
 }
 
+#[test]
+fn a_stiff_body_has_a_limit_in_proportion() {
+    let mut sheet = Net::sheet(6, 1.0);
+    let x = sheet.x.clone();
+    let limit = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5).expect("a stiff body");
+    sheet.stiffness *= 1e16;
+    let stiff = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5).expect("a stiffer body");
+    assert_relative_eq!(1e16 * stiff, limit, max_relative = 1e-6);
+}
+
 /// How much a small disturbance has grown after explicit steps.
 fn growth(body: &mut Net, dt: f64, a: f64, mu: f64) -> f64 {
     let rest = body.x.clone();
