@@ -77,6 +77,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("paper_ctc_stretch", Case::Rows(stretch::paper_ctc_stretch)),
     ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
     ("capsule_shear", Case::Rows(capsule::capsule_shear)),
+    ("capsule_shear_contrast", Case::Rows(capsule::capsule_shear_contrast)),
+    ("capsule_volume", Case::Alone(capsule::capsule_volume)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
     ("two_sphere_force", Case::Rows(magnetics::two_sphere_force)),

@@ -30,7 +30,7 @@ pub struct Inside {
 
 impl Inside {
     /// Rays through a node's cube along y and along z.
-    pub const RAYS: usize = 4;
+    pub const RAYS: usize = 6;
 
     /// Nothing inside, on a grid.
     pub fn new(grid: &Grid) -> Self {

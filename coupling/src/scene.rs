@@ -1,6 +1,7 @@
 //! A fluid, bodies in it, walls around it and forces between them.
 
 mod elastic;
+mod inside;
 mod limits;
 mod motion;
 mod report;
@@ -297,11 +298,6 @@ impl Scene {
     /// The fluid.
     pub fn fluid(&self) -> Option<&dyn Lattice> {
         self.fluid.as_ref().map(|f| f.lattice.as_ref())
-    }
-
-    /// The nodes inside of cells with a viscosity of their own, as they were found for the last step.
-    pub fn inside(&self) -> Option<&Inside> {
-        self.fluid.as_ref().map(|f| &f.inside)
     }
 
     /// The fluid as the type that it is.

@@ -227,3 +227,50 @@ fn a_rigid_body_without_a_mass_is_refused() {
     let error = scene.add_body(body, &Isometry3::identity()).expect_err("no fluid");
     assert!(matches!(error, SceneError::NeedsFluid { .. }));
 }
+
+/// A body whose constraint keeps its node 0 at rest.
+struct Nailed(Tetrahedron);
+
+impl ImmersedBody for Nailed {
+    fn kind(&self) -> &str {
+        "nailed"
+    }
+
+    fn reference(&self) -> Soa3Ref<'_> {
+        self.0.reference()
+    }
+
+    fn triangles(&self) -> &[[u32; 3]] {
+        self.0.triangles()
+    }
+
+    fn motion(&self) -> Motion {
+        self.0.motion()
+    }
+
+    fn add_internal_forces(&mut self, _x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
+        for i in 0..force.x.len() {
+            force.add(i, Vec3::x());
+        }
+    }
+
+    fn constrain(&mut self, x: &mut Soa3Mut<'_>) {
+        let at = self.0.x.get(0);
+        (x.x[0], x.y[0], x.z[0]) = (at.x, at.y, at.z);
+    }
+}
+
+#[test]
+fn a_constraint_of_a_body_holds_after_a_step() {
+    let mut scene = Scene::without_fluid(0.1).expect("a time step");
+    scene
+        .add_body(Tetrahedron::new(1.0), &Isometry3::identity())
+        .expect("a body");
+    let id = scene
+        .add_body(Nailed(Tetrahedron::new(1.0)), &Isometry3::identity())
+        .expect("a body");
+    scene.step().expect("a step");
+    let x = scene.body_positions(id).expect("the body");
+    assert_eq!(x.get(0), Vec3::zeros());
+    assert_relative_eq!(x.get(1).x, 1.0 + 0.1 / FRICTION, epsilon = 1e-14);
+}

@@ -3,8 +3,8 @@
 use lbm_ibm_coupling::nalgebra::Rotation3;
 use lbm_ibm_coupling::{ImmersedBody, Soa3, Vec3};
 use lbm_ibm_membrane::laws::{
-    Area2011, AreaVolume, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea, NeoHookean,
-    Pressure, Reach, Skalak, Stretching, Volume, WormLikeChain,
+    Area2011, AreaVolume, Bending, Bending2011, CorticalTension, GlobalArea, Helfrich, KantorNelson, LocalArea,
+    NeoHookean, Pressure, Reach, Skalak, Stretching, Volume, WormLikeChain,
 };
 use lbm_ibm_membrane::{Disc, Form, Law, Mesh, Moduli, Spacing, presets};
 use proptest::prelude::*;

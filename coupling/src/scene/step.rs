@@ -1,6 +1,6 @@
 //! One time step.
 
-use super::{Fluid, Scene, Slot, motion, rigid};
+use super::{Scene, Slot, motion, rigid};
 use crate::{BodyInfo, Motion, SceneError, Soa3Mut, Soa3Ref, View};
 
 impl Scene {
@@ -106,20 +106,6 @@ impl Scene {
             field.add_loads(&view, &mut self.loads);
         }
         self.loads.share_among_nodes(&view);
-    }
-}
-
-impl Fluid {
-    /// Tells the fluid which nodes are inside of cells with a viscosity of their own.
-    fn find_inside(&mut self, bodies: &[Slot], infos: &[BodyInfo], x: Soa3Ref<'_>) -> Result<(), SceneError> {
-        let any = bodies.iter().any(|slot| slot.body.viscosity_ratio().is_some());
-        if any || !self.inside.is_empty() {
-            let pairs = bodies.iter().zip(infos);
-            let cells = pairs.filter_map(|(slot, info)| Some((info, slot.body.viscosity_ratio()?)));
-            self.inside.find(self.lattice.grid(), x, cells);
-            self.lattice.set_inside(&self.inside)?;
-        }
-        Ok(())
     }
 }
 

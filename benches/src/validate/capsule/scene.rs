@@ -4,7 +4,7 @@ use super::Material;
 use super::shape::{Ellipsoid, ellipsoid};
 use crate::Fault;
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Grid, Guard, Lattice, Plane, Scene, Union, Vec3};
+use lbm_ibm::coupling::{Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
 use lbm_ibm::membrane::{Cell, MembraneError, Mesh, laws};
@@ -35,8 +35,10 @@ pub struct Capsule {
     pub size: [f64; 3],
     /// Shear rate times time step.
     pub strain_per_step: f64,
-    /// Relaxation time.
+    /// Relaxation time of the fluid around.
     pub tau: f64,
+    /// Viscosity inside over that around.
+    pub ratio: f64,
     /// Nodes of the mesh.
     pub nodes: usize,
     /// How it meets the fluid.
@@ -66,7 +68,7 @@ impl Capsule {
         let meshed = radius - self.inset * H;
         let mesh = Arc::new(Mesh::sphere(meshed, self.nodes)?);
         let shear = VISCOSITY * rate * radius / self.capillary;
-        let cell = Cell::new("capsule", mesh.clone());
+        let cell = Cell::new("capsule", mesh.clone()).with_viscosity_ratio(self.ratio)?;
         let cell = match self.material {
             Material::NeoHookean => cell.with_law(laws::NeoHookean::new(&mesh, shear)?),
             Material::Skalak(ratio) => cell.with_law(laws::Skalak::new(&mesh, shear, ratio)?),
@@ -130,17 +132,31 @@ impl Sheared {
         Ok(())
     }
 
+    /// Volume of the fluid that is taken to be inside over that of the surface, less one.
+    pub fn inside_error(&self) -> f64 {
+        match self.scene.inside() {
+            Some(inside) if !inside.is_empty() => inside.volume() * H.powi(3) / self.volume() - 1.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Volume, m3.
+    pub fn volume(&self) -> f64 {
+        enclosed_volume(self.scene.positions(), &self.scene.bodies()[0].triangles)
+    }
+
     /// Its shape now.
     pub fn shape(&self) -> Ellipsoid {
         let info = &self.scene.bodies()[0];
         ellipsoid(self.scene.positions(), &info.triangles)
     }
 
-    /// Mean time in which the nodes near the plane of shear go half way round from now on, times the shear rate.
+    /// Mean time in which the nodes near the plane of shear go half way round from now on, times the shear rate, and the
+    /// greatest relative error of the volume inside on the way.
     ///
     /// # Errors
     /// What the scene finds.
-    pub fn half_turn(&mut self) -> Result<f64, Fault> {
+    pub fn half_turn(&mut self) -> Result<(f64, f64), Fault> {
         let middle = self.scene.positions().mean();
         let near = |x: Vec3| {
             let arm = x - middle;
@@ -158,6 +174,7 @@ impl Sheared {
             .collect();
         let start = self.strain();
         let mut before = start;
+        let mut inside = 0.0_f64;
         while points.iter().any(|p| p.end.is_none()) {
             for _ in 0..LOOK_EVERY {
                 self.scene.step()?;
@@ -175,8 +192,10 @@ impl Sheared {
                 p.angle = angle;
             }
             before = now;
+            inside = inside.max(self.inside_error().abs());
         }
-        Ok(points.iter().filter_map(|p| p.end).map(|end| end - start).sum::<f64>() / points.len() as f64)
+        let times = points.iter().filter_map(|p| p.end).map(|end| end - start);
+        Ok((times.sum::<f64>() / points.len() as f64, inside))
     }
 }
 
