@@ -84,7 +84,7 @@ impl ImmersedBody for Triangle {
     }
 
     fn reference(&self) -> Soa3Ref<'_> {
-        self.nodes.as_ref()
+        self.nodes.view()
     }
 
     fn triangles(&self) -> &[[u32; 3]] {
