@@ -8,7 +8,7 @@ use cast::Caster;
 /// Steps between no part of a node's cube inside and all of it.
 pub const LEVELS: u16 = 64;
 
-/// Nodes inside of cells, by levels: 0 is outside; each of the viscosities in use has [`LEVELS`] levels, for the share of a
+/// Nodes inside of cells, by levels: 0 is outside; each of the viscosities in use has 64 levels, for the share of a
 /// node's cube that is inside.
 ///
 /// It is found anew in every step from the cells' surfaces alone, by rays along x, [`Inside::RAYS`] squared through each
