@@ -1,9 +1,9 @@
-//! The lattice-Boltzmann fluid of lbm-ibm: D3Q19, f64, in place, vectorised and threaded.
+//! The lattice-Boltzmann fluid of lbm-ibm: in place, vectorised and threaded, in 64, 32 or 16 bits ([`Precision`]).
 //!
 //! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT or BGK
-//! ([`Collision`]) with the force of Guo, Zheng and Shi (2002); walls are taken from any [`lbm_ibm_coupling::Boundary`], at
-//! rest or sliding on themselves, half way between nodes or where they are ([`WallRule`]); a force density or a flux
-//! ([`Drive`]) drives it.
+//! ([`Collision`]), or a model of one's own ([`Model`]), with the force of Guo, Zheng and Shi (2002); walls are taken from
+//! any [`lbm_ibm_coupling::Boundary`], at rest or sliding on themselves, half way between nodes or where they are
+//! ([`WallRule`]); a force density or a flux ([`Drive`]) drives it.
 //!
 //! A step reads and writes each population once, in place (the "AA pattern", Bailey et al. 2009): in an even step a node
 //! finds its populations at home and leaves them there, swapped; in an odd one it finds them in its neighbours, where
