@@ -25,6 +25,10 @@ impl Boundary for Rubble {
             )
         }
     }
+
+    fn cut(&self, _a: Vec3, _b: Vec3, _t: f64) -> Option<f64> {
+        Some(0.3)
+    }
 }
 
 fn fluid(shape: [usize; 3], periodic: [bool; 3], precision: Precision, isa: InstructionSet, rubble: bool) -> Fluid {
