@@ -8,9 +8,12 @@ pub enum Precision {
     /// 64 bits: 304 bytes read and written per node and step on D3Q19.
     #[default]
     F64,
-    /// 32 bits, arithmetic as well: half the memory and time.
+    /// 32 bits, arithmetic as well: half the memory and time. The viscosity that a shear wave of 64 nodes shows is off by
+    /// 8e-6, a channel of 8 nodes by 1.4e-6 of its greatest velocity.
     F32,
-    /// 16 bits (IEEE half, scaled), arithmetic in 32: a quarter of the memory. A population keeps three digits.
+    /// 16 bits (IEEE half, scaled), arithmetic in 32: a quarter of the memory. A population keeps three digits, and roundings
+    /// add up: the viscosity of the same wave is 3.4 to 4.4 % too low at amplitudes of 1e-2 to 1e-4 lattice units, the channel
+    /// 0.4 % off. To look at a flow, not to measure it.
     F16,
 }
 

@@ -1,4 +1,4 @@
-//! The lattice-Boltzmann fluid of lbm-ibm: in place, vectorised and threaded.
+//! The lattice-Boltzmann fluid of lbm-ibm: in place, vectorised and threaded, in 64, 32 or 16 bits ([`Precision`]).
 //!
 //! [`Fluid`] implements [`lbm_ibm_coupling::Lattice`] and is built from SI quantities. Collision is TRT with magic number 3/16,
 //! another one of [`Collision`], or a [`Model`] of one's own, with the force of Guo, Zheng and Shi (2002), on D3Q19, D3Q27 or

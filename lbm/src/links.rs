@@ -83,9 +83,9 @@ pub struct Links {
     pub runs: Vec<Range<usize>>,
     /// Where node 0 of the row of each run finds its populations in an even step, then in an odd one; see
     /// [`Links::places`].
-    places: Vec<i32>,
+    pub places: Vec<i32>,
     /// Number of each row (`j`, `k`), j fastest; [`NO_ROW`] where there is no fluid.
-    row_at: Vec<u32>,
+    pub row_at: Vec<u32>,
     /// Rows of a plane.
     ny: usize,
     /// Number of populations.
@@ -370,22 +370,6 @@ impl<'a> Maker<'a> {
 }
 
 impl Links {
-    /// Bytes of memory.
-    pub fn bytes(&self) -> usize {
-        let links = [&self.walls, &self.wraps_out, &self.wraps_in].map(|l| size_of_val(&**l));
-        links.iter().sum::<usize>()
-            + size_of_val(&*self.rows)
-            + size_of_val(&*self.runs)
-            + size_of_val(&*self.places)
-            + size_of_val(&*self.row_at)
-            + size_of_val(&*self.directions)
-            + size_of_val(&*self.pushes)
-            + size_of_val(&*self.fractions)
-            + size_of_val(&*self.cuts)
-            + size_of_val(&*self.thin)
-            + self.openings.bytes()
-    }
-
     /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:
     /// at home before an even step, in the neighbours before an odd one, there in the array of the opposite population.
     #[inline(always)]
