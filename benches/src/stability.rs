@@ -118,10 +118,13 @@ fn uniform<M: Model<Q>, const Q: usize>(model: &M, u: [f64; 3]) -> [f64; Q] {
     f
 }
 
-/// Magnitudes of the waves of a scan, along each direction.
-const MAGNITUDES: usize = 22;
+/// Magnitudes of the waves of a scan along each direction: 22 even ones, and four of long waves before them, where sound first
+/// grows.
+const MAGNITUDES: usize = EVEN + LONG.len();
+const EVEN: usize = 22;
+const LONG: [f64; 4] = [0.1, 0.2, 0.35, 0.6];
 
-/// The wave vectors of a scan, for a flow along one of [`FLOWS`]: 22 magnitudes, one after the other, along every direction with
+/// The wave vectors of a scan, for a flow along one of [`FLOWS`]: 26 magnitudes, one after the other, along every direction with
 /// components to 2, of those that are mirror images of each other about the flow one.
 pub fn waves(flow: usize) -> Vec<[f64; 3]> {
     let mut directions: Vec<[i32; 3]> = Vec::new();
@@ -141,7 +144,10 @@ pub fn waves(flow: usize) -> Vec<[f64; 3]> {
     }
     let along = |d: [i32; 3]| {
         let longest = d.iter().map(|c| c.abs()).max().unwrap_or(1);
-        (1..=MAGNITUDES).map(move |m| d.map(|c| PI * m as f64 / MAGNITUDES as f64 * f64::from(c) / f64::from(longest)))
+        let even = (1..=EVEN).map(|m| m as f64);
+        LONG.into_iter()
+            .chain(even)
+            .map(move |m| d.map(|c| PI * m / EVEN as f64 * f64::from(c) / f64::from(longest)))
     };
     directions.into_iter().flat_map(along).collect()
 }
