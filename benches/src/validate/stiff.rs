@@ -58,13 +58,14 @@ impl ForceField for Ends {
     }
 }
 
-/// Moduli of a sphere of 2 um and 162 nodes: shear, local and global area (N/m), bending (J).
+/// Moduli of a sphere of 162 nodes: shear, local and global area (N/m), bending (J), volume (Pa).
 #[derive(Clone, Copy)]
 struct Membrane {
     shear: f64,
     local: f64,
     global: f64,
     bending: f64,
+    volume: f64,
 }
 
 impl Membrane {
@@ -74,8 +75,11 @@ impl Membrane {
         let cell = Cell::new("sphere", mesh.clone())
             .with_law(Stretching::new(mesh, springs)?)
             .with_law(Bending::new(mesh, self.bending * 2.0 / 3.0_f64.sqrt())?)
-            .with_law(LocalArea::new(mesh, self.local)?)
-            .with_law(Volume::new(mesh, 1e4)?);
+            .with_law(LocalArea::new(mesh, self.local)?);
+        let cell = match self.volume > 0.0 {
+            true => cell.with_law(Volume::new(mesh, self.volume)?),
+            false => cell,
+        };
         Ok(match self.global > 0.0 {
             true => cell.with_law(GlobalArea::new(mesh, self.global)?),
             false => cell,
@@ -147,7 +151,7 @@ fn is_stable(h: f64, membrane: Membrane, time_step: f64) -> Result<bool, Fault> 
 }
 
 /// The estimate of the longest explicit step against the observed one (to 5 %), for the membranes of the file as a sphere of
-/// four spacings, bending left out where it does not matter: never above it, and no less than a third of it.
+/// four spacings: never above it, and no less than a third of it.
 pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let all = table.rows().len();
@@ -155,7 +159,7 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
         .rows()
         .iter()
         .enumerate()
-        .filter(|(i, _)| !effort.quick || i % 3 == 1)
+        .filter(|(i, _)| !effort.quick || *i < 3)
         .map(|(_, row)| row)
         .collect();
     findings.left_out = all - rows.len();
@@ -166,12 +170,18 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
             local: row.number("K_A_mN_m")? * 1e-3,
             global: 0.0,
             bending: row.number("kappa_1e-19J")? * 1e-19,
+            volume: 0.0,
         };
-        let (_, limit) = scene(h, membrane, 1e-9 * row.number("dt_LB_tau1_ns")?, false, 0.0)?;
+        let at_one = 1e-9 * row.number("dt_LB_tau1_ns")?;
+        let (_, limit) = scene(h, membrane, at_one, false, 0.0)?;
+        // Beyond a relaxation time of 3 the membrane is not what limits a step.
+        if limit > 5.0 * at_one {
+            return Ok((limit, 0.0));
+        }
         // From a stable step up, by halving the bracket in its logarithm.
         let (mut low, mut high) = (0.5 * limit, 8.0 * limit);
         if !is_stable(h, membrane, low)? {
-            return Ok((limit, 0.0));
+            return Err(format!("explicit steps of {low:e} s, half the estimate, are not stable").into());
         }
         while high / low > 1.05 {
             let middle = (low * high).sqrt();
@@ -185,6 +195,10 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
     })?;
     for (row, ((limit, observed), seconds)) in rows.iter().zip(found) {
         findings.begin_done(row.key(&["case", "h_um"]), seconds);
+        if observed == 0.0 {
+            findings.report("estimate, s, beyond a relaxation time of 3", limit, 0.0, 1.0);
+            continue;
+        }
         findings.check_scaled(
             "estimate over observed limit",
             limit / observed,
@@ -198,7 +212,7 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
     Ok(findings)
 }
 
-/// A local area modulus of 400 mN/m at 0.5 um: implicit steps and parts of steps at relaxation times of 1 and 3 against explicit
+/// A local area modulus of 400 mN/m at 0.5 um: implicit steps at relaxation times of 1 and 3 against explicit
 /// ones at 0.9 of their limit, by the extension of a pulled sphere after 100 us, within 1 %. And what a strong global modulus
 /// with a local one of a tenth makes of it.
 pub fn stiff_membrane(effort: Effort) -> Outcome {
@@ -209,6 +223,7 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
         local: 0.4,
         global: 0.0,
         bending: 2e-19,
+        volume: 1e3,
     };
     let global = Membrane {
         local: 0.04,
@@ -238,12 +253,6 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
         ("explicit", stiff, explicit, Elasticity::Explicit),
         ("implicit", stiff, at_tau(1.0), Elasticity::IMPLICIT),
         ("implicit", stiff, at_tau(3.0), Elasticity::IMPLICIT),
-        (
-            "parts of steps",
-            stiff,
-            at_tau(3.0),
-            Elasticity::SubSteps((at_tau(3.0) / explicit).ceil() as usize),
-        ),
         (
             "explicit, strong global and modest local",
             global,

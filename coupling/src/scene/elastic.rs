@@ -16,9 +16,6 @@ pub enum Elasticity {
     /// The forces are those at the start of the step. The time step is limited by the stiffest mode of the mesh.
     #[default]
     Explicit,
-    /// The mean of the forces over so many parts of the step, in each of which the nodes move with the fluid's velocity and
-    /// that made by the forces so far: so many times the explicit limit.
-    SubSteps(usize),
     /// The forces are those at the end of the step, linearised: `(1 + dt K M) F = F(x) - dt K U0`, `K` the stiffness.
     /// Conjugate gradients in the scalar product of `M`; no limit to the time step from elasticity.
     Implicit {
@@ -35,15 +32,6 @@ impl Elasticity {
         tolerance: 1e-3,
         iterations: 60,
     };
-
-    /// Factor by which it stretches the explicit limit; none where it does away with it.
-    pub(super) fn stretch(self) -> Option<f64> {
-        match self {
-            Self::Explicit => Some(1.0),
-            Self::SubSteps(n) => Some(n.max(1) as f64),
-            Self::Implicit { .. } => None,
-        }
-    }
 }
 
 /// Arrays of the solution, kept between steps.
@@ -134,8 +122,10 @@ impl Scene {
     /// Replaces the forces on the fluid by those that [`Elasticity`] asks for; the markers are placed, and the bricks hold no
     /// force.
     pub(super) fn relax_forces(&mut self) {
-        let Some(fluid) = &mut self.fluid else { return };
-        if self.elasticity == Elasticity::Explicit || !self.infos.iter().any(|i| i.motion == Motion::Advected) {
+        let (Some(fluid), Elasticity::Implicit { tolerance, iterations }) = (&mut self.fluid, self.elasticity) else {
+            return;
+        };
+        if !self.infos.iter().any(|i| i.motion == Motion::Advected) {
             return;
         }
         let w = &mut self.workspace;
@@ -171,57 +161,12 @@ impl Scene {
         operators.carried(&mut w.velocity);
         zip3(&mut w.moved, [self.x.view(), self.x.view()], |_, [x, _]| x);
         operators.forces(&w.moved, &mut w.rest);
-        match self.elasticity {
-            Elasticity::Explicit => {}
-            Elasticity::SubSteps(parts) => w.sub_step(&mut operators, parts.max(1), &mut self.on_fluid),
-            Elasticity::Implicit { tolerance, iterations } => {
-                w.solve(&mut operators, tolerance, iterations, &mut self.on_fluid);
-            }
-        }
+        w.solve(&mut operators, tolerance, iterations, &mut self.on_fluid);
         operators.fluid.bricks.clear_force();
     }
 }
 
 impl Workspace {
-    /// Adds to `force` what the mean of the internal forces over the step is more than those at its start.
-    fn sub_step(&mut self, of: &mut Operators<'_>, parts: usize, force: &mut Soa3) {
-        let part = 1.0 / parts as f64;
-        // Other forces do not change within the step; `search` is their share of each part.
-        zip3(&mut self.search, [force.view(), self.rest.view()], |_, [f, rest]| {
-            f - rest
-        });
-        of.carried(&mut self.search);
-        zip3(&mut self.moved, [of.x, of.x], |_, [x, _]| x);
-        self.residual.fill(0.0);
-        self.product.fill(0.0);
-        for _ in 0..parts {
-            let moved = std::mem::take(&mut self.moved);
-            of.forces(&moved, &mut self.swept_product);
-            self.moved = moved;
-            zip3(
-                &mut self.product,
-                [self.swept_product.view(), self.rest.view()],
-                |sum, [f, rest]| sum + (f - rest) * part,
-            );
-            zip3(
-                &mut self.residual,
-                [self.swept_product.view(), self.search.view()],
-                |sum, [f, g]| sum + (f + g) * part,
-            );
-            of.sweep(&self.residual, &mut self.swept);
-            let dt = of.time_step * part;
-            zip3(
-                &mut self.moved,
-                [self.velocity.view(), self.swept.view()],
-                |x, [u, v]| x + (u + v) * dt,
-            );
-        }
-        zip3(force, [self.product.view(), self.product.view()], |f, [more, _]| {
-            f + more
-        });
-        self.taken = (parts, 0.0);
-    }
-
     /// Conjugate gradients from the explicit forces.
     fn solve(&mut self, of: &mut Operators<'_>, tolerance: f64, iterations: usize, force: &mut Soa3) {
         self.taken = (0, 0.0);

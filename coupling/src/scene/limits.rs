@@ -1,6 +1,6 @@
 //! The time step against the stiffness of bodies and fields, before the first step.
 
-use super::{Fluid, Scene, view_of};
+use super::{Elasticity, Fluid, Scene, view_of};
 use crate::{ImmersedBody, Motion, SceneError, Soa3, Soa3Ref};
 use std::f64::consts::PI;
 
@@ -16,15 +16,9 @@ impl Scene {
             let x = self.x.slice(info.range.clone());
             let body = self.bodies[i].body.as_mut();
             let limit = match (&self.fluid, info.motion) {
-                (Some(Fluid { exchange, lattice, .. }), motion) => {
-                    let stretch = match motion {
-                        Motion::Advected => self.elasticity.stretch(),
-                        _ => Some(1.0),
-                    };
-                    stretch.and_then(|stretch| {
-                        let limit = exchange.stable_step(body, x, lattice.viscosity(), lattice.density())?;
-                        Some(stretch * limit)
-                    })
+                (Some(_), Motion::Advected) if self.elasticity != Elasticity::Explicit => None,
+                (Some(Fluid { exchange, lattice, .. }), _) => {
+                    exchange.stable_step(body, x, lattice.viscosity(), lattice.density())
                 }
                 (None, Motion::Overdamped { friction }) => Some(2.0 * friction / greatest_stiffness(body, x)),
                 (None, _) => None,
