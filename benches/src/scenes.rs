@@ -124,6 +124,8 @@ pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f
     let guard = Guard {
         volume: f64::INFINITY,
         triangle: 0.0,
+        stretch: f64::INFINITY,
+        fold: std::f64::consts::PI,
         ..Guard::default()
     };
     let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Default::default())).with_guard(guard);

@@ -154,6 +154,8 @@ impl<'a> Run<'a> {
         let guard = Guard {
             depth: 0.1 * h,
             triangle: 0.0,
+            stretch: f64::INFINITY,
+            fold: std::f64::consts::PI,
             ..Guard::default()
         };
         let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(Kernel::RomaThree)).with_guard(guard);

@@ -177,6 +177,8 @@ impl Device {
         let guard = Guard {
             depth: 0.1 * self.spacing,
             triangle: 0.0,
+            stretch: f64::INFINITY,
+            fold: std::f64::consts::PI,
             ..Guard::default()
         };
         let mut scene = Scene::with_fluid(fluid, exchange).with_guard(guard);

@@ -45,9 +45,12 @@ impl Region {
 }
 
 impl Sweep<'_> {
-    /// Whether a grid with so many rows and planes has room for the wedges of so many steps.
+    /// Whether a grid with so many rows and planes has room for the wedges of so many steps, and is faster with them.
     pub fn fits(shape: [usize; 2], steps: usize) -> bool {
-        shape[0] >= 1 && shape[1] >= 2 * steps + 2
+        let threads = parallel::threads();
+        // The wedges between slabs are done last and alone: slabs that are not far thicker cost more than they save.
+        let least = if threads > 1 { 8 * steps * threads } else { 2 * steps + 2 };
+        shape[0] >= 1 && shape[1] >= least
     }
 
     /// Takes all steps.

@@ -70,8 +70,8 @@ fn same(a: &Macroscopic, b: &Macroscopic) -> bool {
 
 #[test]
 fn sweeps_of_several_steps_give_the_same_bits_as_single_ones_on_any_number_of_threads() {
-    // The last is wide enough for several blocks of rows.
-    let shapes = [[24, 40, 24], [33, 7, 61], [6, 120, 20], [40, 3, 90], [250, 66, 19]];
+    // Many planes are divided among threads; the last is wide enough for several blocks of rows.
+    let shapes = [[24, 40, 24], [33, 7, 70], [12, 9, 130], [40, 3, 90], [250, 66, 50]];
     for (n, shape) in shapes.into_iter().enumerate() {
         for (m, precision) in ALL.into_iter().enumerate() {
             let bits = n * 3 + m;
