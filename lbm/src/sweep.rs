@@ -49,7 +49,11 @@ impl Sweep<'_> {
     pub fn fits(shape: [usize; 2], steps: usize) -> bool {
         let threads = parallel::threads();
         // The wedges between slabs are done last and alone: slabs that are not far thicker cost more than they save.
-        let least = if threads > 1 { 8 * steps * threads } else { 2 * steps + 2 };
+        let least = if threads > 1 {
+            8 * steps * threads
+        } else {
+            2 * steps + 2
+        };
         shape[0] >= 1 && shape[1] >= least
     }
 

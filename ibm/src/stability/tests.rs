@@ -84,7 +84,7 @@ fn two_nodes_and_a_spring() {
     let mobility = (1.0 - 1.5 * a / r + (a / r).powi(3)) / (6.0 * PI * mu * a);
     assert_relative_eq!(rate, 2.0 * body.stiffness * mobility, max_relative = 1e-6);
     let dt = stable_step(&mut body, x.view(), a, mu, 1e-5).expect("a stiff body");
-    assert_relative_eq!(dt, SAFETY * 2.0 / rate, max_relative = 1e-6);
+    assert_relative_eq!(dt, CARRIED * 2.0 / rate, max_relative = 1e-6);
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn explicit_steps_grow_above_the_limit_alone() {
     let (a, mu) = (0.6, 1.0);
     let mut sheet = Net::sheet(6, 1.0);
     let x = sheet.x.clone();
-    let limit = stable_step(&mut sheet, x.view(), a, mu, 1e-5).expect("a stiff body") / SAFETY;
+    let limit = stable_step(&mut sheet, x.view(), a, mu, 1e-5).expect("a stiff body") / CARRIED;
     assert!(growth(&mut sheet, 0.97 * limit, a, mu) < 2.0);
     assert!(growth(&mut sheet, 1.05 * limit, a, mu) > 100.0);
 }
