@@ -76,17 +76,18 @@ pub fn meridian(
 }
 
 impl Meridian {
-    /// Distance from a profile, a line of axial places and radii, after the shift along the axis that makes it least.
+    /// Distance from a profile, a line of axial places and radii, after the shift along the axis that makes it least; not a number
+    /// without points.
     pub fn distance(&self, profile: &[[f64; 2]]) -> Distance {
         let mut shift = 0.0;
         let mut gaps: Vec<[f64; 2]> = Vec::new();
         for _ in 0..30 {
             gaps = self.points.iter().map(|p| gap([p[0] + shift, p[1]], profile)).collect();
-            shift += gaps.iter().map(|g| g[0]).sum::<f64>() / gaps.len().max(1) as f64;
+            shift += gaps.iter().map(|g| g[0]).sum::<f64>() / gaps.len() as f64;
         }
         let squares: Vec<f64> = gaps.iter().map(|g| g[0] * g[0] + g[1] * g[1]).collect();
         Distance {
-            rms: (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt(),
+            rms: (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(),
             largest: squares.iter().fold(0.0_f64, |m, s| m.max(*s)).sqrt(),
         }
     }
@@ -106,4 +107,30 @@ fn gap(p: [f64; 2], line: &[[f64; 2]]) -> [f64; 2] {
         }
     }
     nearest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lbm_ibm::coupling::Soa3;
+    use lbm_ibm::membrane::Mesh;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_sphere_is_half_a_circle() {
+        let centre = Vec3::new(3.0, -2.0, 5.0);
+        let mesh = Mesh::sphere(7.5, 2562).expect("a sphere");
+        let x: Soa3 = mesh.nodes().iter().map(|p| p + centre).collect();
+        let found = meridian(x.view(), mesh.triangles(), centre, 0.5, 10.0, 0.2);
+        assert!((found.film - 0.2).abs() < 2e-3);
+        assert!((found.length - 1.6).abs() < 2e-3);
+        let circle = |radius: f64| -> Vec<[f64; 2]> {
+            let angle = |n: i32| PI * f64::from(n) / 200.0;
+            (0..=200)
+                .map(|n| [radius * angle(n).cos(), radius * angle(n).sin()])
+                .collect()
+        };
+        assert!(found.distance(&circle(0.8)).largest < 2e-3);
+        assert!((found.distance(&circle(0.83)).rms - 0.03).abs() < 1e-3);
+    }
 }
