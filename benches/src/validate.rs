@@ -78,6 +78,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("rbc_optical_tweezers", Case::Rows(stretch::rbc_optical_tweezers)),
     ("capsule_shear", Case::Rows(capsule::capsule_shear)),
     ("capsule_shear_contrast", Case::Rows(capsule::capsule_shear_contrast)),
+    ("capsule_tube", Case::Rows(capsule::capsule_tube)),
+    ("capsule_tube_profile", Case::Rows(capsule::capsule_tube_profile)),
     ("capsule_volume", Case::Alone(capsule::capsule_volume)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
