@@ -23,6 +23,11 @@ impl Fluid {
     /// # Errors
     /// [`FluidError::OneViscosity`].
     pub(crate) fn take_inside(&mut self, inside: &Inside) -> Result<(), FluidError> {
+        if self.thermal.is_some() && !inside.is_empty() {
+            return Err(FluidError::OneViscosity {
+                why: "it fluctuates with the noise of one relaxation time; leave the temperature out".to_owned(),
+            });
+        }
         let known = self.inner.kernels.len() + 1;
         for level in known..inside.level_count() {
             let tau = 0.5 + (self.tau - 0.5) * inside.ratio(level as u16);

@@ -88,3 +88,16 @@ fn a_viscosity_that_cannot_be_is_refused() {
     let error = fluid.set_inside(&inside).expect_err("too thin a fluid").to_string();
     assert!(error.contains("0.50010"), "{error}");
 }
+
+#[test]
+fn a_fluid_that_fluctuates_refuses_a_second_viscosity() {
+    let h = 1e-6;
+    let grid = Grid::new([6, 6, 6], h, [true; 3]);
+    let fluid = Fluid::new(grid.clone(), 1e3, 1e-3, Pace::Tau(1.0)).expect("a fluid");
+    let mut fluid = fluid.with_temperature(300.0, 1).expect("a warm fluid");
+    let (x, body) = slab(Vec3::repeat(1.0 * h), Vec3::repeat(5.0 * h));
+    let mut inside = Inside::new(&grid);
+    inside.find(&grid, x.view(), std::iter::once((&body, 5.0)));
+    let error = fluid.set_inside(&inside).expect_err("two viscosities");
+    assert!(error.to_string().contains("temperature"), "{error}");
+}
