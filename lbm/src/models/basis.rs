@@ -17,7 +17,7 @@ pub trait Basis<const Q: usize>: Stencil<Q> + Clone + Send + Sync {
     /// Moments up to third order. Those that the stencil lacks are zero.
     fn low<V: Real>(f: &[V; Q]) -> Low<V>;
 
-    /// Populations with these Hermite moments: density (about 1, less 1), momentum and second order (as in [`Low`]). Those of
+    /// Populations with these Hermite moments: density (about 1, less 1), momentum and second order (xx, yy, zz, xy, xz, yz). Those of
     /// higher order are zero.
     fn plain<V: Real>(density: V, momentum: [V; 3], second: [V; 6]) -> [V; Q];
 
