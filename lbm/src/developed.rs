@@ -1,7 +1,7 @@
 //! The profile of a developed flow in a cross-section.
 
 use crate::faces::{Face, Side};
-use crate::links::Maker;
+use crate::maker::Maker;
 
 /// Residual over that of the start at which a profile is done, and most sweeps.
 const DONE: f64 = 1e-12;

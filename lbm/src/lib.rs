@@ -28,6 +28,7 @@ mod kernel;
 mod lattice;
 mod links;
 mod loads;
+mod maker;
 mod mask;
 mod memory;
 mod model;

@@ -11,18 +11,11 @@
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
 use crate::collide::Places;
-use crate::developed::Developed;
-use crate::faces::Faces;
-use crate::mask::Mask;
 use crate::open::Openings;
-use crate::rule::{CutLink, LinkRule, Shares};
-use crate::stencil::{Velocities, opposite};
+use crate::rule::Shares;
+use crate::stencil::Velocities;
 use crate::storage::Storage;
-use crate::surface::{Between, Meeting, Surface};
 use std::ops::Range;
-
-/// A fraction this close to a half is one.
-const HALF: f64 = 1e-8;
 
 /// Two places of the same population.
 #[derive(Clone, Copy, Debug)]
@@ -73,7 +66,7 @@ pub struct Row {
 }
 
 /// In place of the number of a row without fluid.
-const NO_ROW: u32 = u32::MAX;
+pub const NO_ROW: u32 = u32::MAX;
 
 /// All rows and links, in the order of the rows.
 #[derive(Default)]
@@ -87,9 +80,9 @@ pub struct Links {
     /// Number of each row (`j`, `k`), j fastest; [`NO_ROW`] where there is no fluid.
     pub row_at: Vec<u32>,
     /// Rows of a plane.
-    ny: usize,
+    pub ny: usize,
     /// Number of populations.
-    q: usize,
+    pub q: usize,
     /// Links into walls.
     pub walls: Vec<Link>,
     /// The population that comes back from the wall.
@@ -114,259 +107,6 @@ pub struct Links {
     pub uninterpolated: usize,
     /// Gaps without a node.
     pub closed_gaps: usize,
-}
-
-/// What links are made from.
-pub struct Maker<'a> {
-    pub surface: Surface<'a>,
-    pub mask: &'a Mask,
-    pub storage: &'a Storage,
-    pub rule: &'a dyn LinkRule,
-    /// Relaxation time.
-    pub tau: f64,
-    pub faces: &'a Faces,
-    /// Density, kg/m3.
-    pub density: f64,
-    pub mach_limit: f64,
-    /// Profiles of the faces with a flux.
-    pub profiles: [[Option<Developed>; 2]; 3],
-    /// Both ends of the links that pass thin walls, sorted.
-    pub severed: Vec<([usize; 3], usize)>,
-}
-
-impl<'a> Maker<'a> {
-    /// For the walls as they stand.
-    pub fn new(
-        surface: Surface<'a>,
-        mask: &'a Mask,
-        storage: &'a Storage,
-        rule: &'a dyn LinkRule,
-        faces: &'a Faces,
-    ) -> Self {
-        Self {
-            surface,
-            mask,
-            storage,
-            rule,
-            faces,
-            tau: 1.0,
-            density: 0.0,
-            mach_limit: f64::INFINITY,
-            profiles: Default::default(),
-            severed: Vec::new(),
-        }
-    }
-
-    /// Finds all rows, runs and links.
-    pub fn links(mut self) -> Links {
-        let Between { thin, closed_gaps } = self.surface.between(self.mask);
-        let mut links = Links {
-            closed_gaps,
-            ny: self.surface.grid.shape[1],
-            q: self.storage.velocities().q(),
-            row_at: vec![NO_ROW; self.surface.grid.shape[1] * self.surface.grid.shape[2]],
-            ..Links::default()
-        };
-        for &(node, i) in &thin {
-            self.severed.push((node, i));
-            if let Some(far) = self.surface.in_grid(node, i) {
-                self.severed.push((far, opposite(i)));
-            }
-        }
-        self.severed.sort_unstable();
-        self.develop();
-        let [_, ny, nz] = self.surface.grid.shape;
-        for k in 0..nz {
-            for j in 0..ny {
-                let starts = links.ends();
-                links.add_runs(self.mask.row(j, k));
-                if links.runs.len() == starts[0] {
-                    continue;
-                }
-                for run in starts[0]..links.runs.len() {
-                    for x in links.runs[run].clone() {
-                        self.add_incoming([x, j, k], &mut links);
-                    }
-                }
-                self.add_outgoing(j, k, &mut links);
-                self.add_places(j, k, starts[0], &mut links);
-                links.row_at[k * ny + j] = links.rows.len() as u32;
-                let ends = links.ends();
-                let range = |n: usize| starts[n]..ends[n];
-                links.rows.push(Row {
-                    j,
-                    k,
-                    runs: range(0),
-                    walls: range(1),
-                    cuts: range(2),
-                    wraps_out: range(3),
-                    wraps_in: range(4),
-                });
-            }
-        }
-        for (node, i) in thin {
-            if let Some(far) = self.surface.in_grid(node, i) {
-                let sides = [self.side(node, i, &mut links), self.side(far, opposite(i), &mut links)];
-                links.thin.push(sides);
-            }
-        }
-        self.settle_fluxes(&mut links);
-        if links.fractions.iter().all(|f| (f - 0.5).abs() < HALF) {
-            links.fractions = Vec::new();
-        }
-        links.balance_pushes(self.rule.interpolates(), self.storage.velocities());
-        links
-    }
-
-    /// Lattice velocity `i`.
-    pub fn c(&self, i: usize) -> [isize; 3] {
-        self.storage.velocities().c(i).map(|c| c as isize)
-    }
-
-    fn add_incoming(&self, node: [usize; 3], links: &mut Links) {
-        let [x, j, k] = node.map(|i| i as isize);
-        let nx = self.surface.grid.shape[0] as isize;
-        for i in 1..self.storage.velocities().q() {
-            let [cx, cy, cz] = self.c(i);
-            let source = x - cx;
-            let solid = self.mask.is_solid(source, j - cy, k - cz);
-            if !solid && (0..nx).contains(&source) {
-                continue;
-            }
-            let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
-            let ghost = self.storage.index(opposite(i), source, sj, sk);
-            if solid {
-                let home = self.storage.index(i, x, j, k);
-                if self.add_open(node, i, Link { ghost, home }, links) {
-                    links.add_wall(Link { ghost, home }, i, 0.0, self.fraction(0.5));
-                    continue;
-                }
-                let meeting = self.meeting(node, i);
-                let cut = self.cut(node, i, Link { ghost, home }, meeting, links);
-                let push = cut.shares.push * meeting.push;
-                links.add_wall(cut.link, i, push, self.fraction(meeting.fraction));
-                if cut.shares != Shares::HALFWAY {
-                    links.swell += cut.swell;
-                    links.cuts.push(cut);
-                }
-            } else {
-                let home = self.storage.index(opposite(i), source.rem_euclid(nx), sj, sk);
-                links.wraps_in.push(Link { ghost, home });
-            }
-        }
-    }
-
-    /// A fraction, where fractions are kept.
-    fn fraction(&self, fraction: f64) -> Option<f64> {
-        self.rule.interpolates().then_some(fraction)
-    }
-
-    /// Places of the runs from number `first` on.
-    fn add_places(&self, j: usize, k: usize, first: usize, links: &mut Links) {
-        for run in first..links.runs.len() {
-            let x = links.runs[run].start as isize;
-            for i in 0..links.q {
-                links
-                    .places
-                    .push((self.storage.place(i, x, j as isize, k as isize) - x) as i32);
-            }
-            for i in 0..links.q {
-                let [cx, cy, cz] = self.c(i);
-                let [sj, sk] = self.storage.wrapped(j as isize - cy, k as isize - cz);
-                links
-                    .places
-                    .push((self.storage.place(opposite(i), x - cx, sj, sk) - x) as i32);
-            }
-        }
-    }
-
-    fn meeting(&self, node: [usize; 3], i: usize) -> Meeting {
-        if !self.rule.interpolates() {
-            return self.surface.halfway(node, i);
-        }
-        match self.mirrored(node, i) {
-            Some(mirrored) => self.surface.mirrored_meeting(node, i, mirrored),
-            None => self.surface.meeting(node, i),
-        }
-    }
-
-    /// The link of `node` whose returning population is `i`.
-    fn cut(&self, node: [usize; 3], i: usize, link: Link, meeting: Meeting, links: &mut Links) -> Cut {
-        let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = self.c(i);
-        let o = opposite(i);
-        let solid = self.mask.is_solid(x + cx, j + cy, k + cz);
-        let severed = self.severed.binary_search(&(node, o)).is_ok();
-        // Through an open face something arrives too.
-        let arrives = !solid || self.is_open(node, o);
-        let velocities = self.storage.velocities();
-        let shares = self.rule.shares(&CutLink {
-            fraction: meeting.fraction,
-            behind: arrives && !severed,
-            velocity: velocities.c(i),
-            weight: velocities.weight(i),
-            tau: self.tau,
-        });
-        // The places of a thin wall behind are exchanged, perhaps before they are read.
-        let shares = shares.filter(|s| !severed || *s == Shares::HALFWAY);
-        links.uninterpolated += usize::from(shares.is_none());
-        // Where the node behind is solid, its place is the ghost of the link on that side.
-        let behind = if solid {
-            x + cx
-        } else {
-            (x + cx).rem_euclid(self.surface.grid.shape[0] as isize)
-        };
-        let [bj, bk] = self.storage.wrapped(j + cy, k + cz);
-        Cut {
-            link,
-            near: self.storage.index(o, x, j, k),
-            behind: self.storage.index(i, behind, bj, bk),
-            swell: meeting.swell * shares.map_or(1.0, |s| s.push),
-            shares: shares.unwrap_or(Shares::HALFWAY),
-            direction: i,
-        }
-    }
-
-    /// The side of a thin wall on which `node` lies, population `i` returning to it.
-    fn side(&self, node: [usize; 3], i: usize, links: &mut Links) -> Side {
-        let [x, j, k] = node.map(|i| i as isize);
-        let [cx, cy, cz] = self.c(i);
-        let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
-        let link = Link {
-            ghost: self.storage.index(opposite(i), x - cx, sj, sk),
-            home: self.storage.index(i, x, j, k),
-        };
-        let meeting = self.meeting(node, i);
-        let cut = self.cut(node, i, link, meeting, links);
-        if cut.shares != Shares::HALFWAY {
-            links.swell += cut.swell;
-        }
-        Side {
-            cut,
-            push: cut.shares.push * meeting.push,
-            node,
-            fraction: meeting.fraction,
-        }
-    }
-
-    /// The places at the two ends of row (`j`, `k`) that nodes at the other end use in an odd step.
-    fn add_outgoing(&self, j: usize, k: usize, links: &mut Links) {
-        let (j, k, nx) = (j as isize, k as isize, self.surface.grid.shape[0] as isize);
-        for m in 1..self.storage.velocities().q() {
-            let [cx, cy, cz] = self.c(m);
-            let (end, ghost) = match cx {
-                1 => (0, nx),
-                -1 => (nx - 1, -1),
-                _ => continue,
-            };
-            let both_fluid = !self.mask.is_solid(end, j, k) && !self.mask.is_solid(end - cx, j - cy, k - cz);
-            if both_fluid {
-                let home = self.storage.index(m, end, j, k);
-                let ghost = self.storage.index(m, ghost, j, k);
-                links.wraps_out.push(Link { ghost, home });
-            }
-        }
-    }
 }
 
 impl Links {
@@ -398,7 +138,7 @@ impl Links {
         (row != NO_ROW).then_some(row as usize)
     }
 
-    fn ends(&self) -> [usize; 5] {
+    pub(crate) fn ends(&self) -> [usize; 5] {
         [
             self.runs.len(),
             self.walls.len(),
@@ -408,14 +148,14 @@ impl Links {
         ]
     }
 
-    fn add_wall(&mut self, link: Link, direction: usize, push: f64, fraction: Option<f64>) {
+    pub(crate) fn add_wall(&mut self, link: Link, direction: usize, push: f64, fraction: Option<f64>) {
         self.walls.push(link);
         self.directions.push(direction as u8);
         self.pushes.push(push);
         self.fractions.extend(fraction);
     }
 
-    fn add_runs(&mut self, solid: &[bool]) {
+    pub(crate) fn add_runs(&mut self, solid: &[bool]) {
         let mut x = 0;
         for part in solid.chunk_by(|a, b| a == b) {
             if !part[0] {
@@ -427,7 +167,7 @@ impl Links {
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as
     /// they are.
-    fn balance_pushes(&mut self, interpolates: bool, velocities: Velocities) {
+    pub(crate) fn balance_pushes(&mut self, interpolates: bool, velocities: Velocities) {
         let sides = || self.thin.iter().flatten();
         let all: f64 = self.pushes.iter().sum::<f64>() + sides().map(|s| s.push).sum::<f64>();
         if self.pushes.iter().all(|p| *p == 0.0) && sides().all(|s| s.push == 0.0) {

@@ -2,7 +2,8 @@
 
 use crate::developed::Developed;
 use crate::faces::{Face, FaceError, Side};
-use crate::links::{Link, Links, Maker};
+use crate::links::{Link, Links};
+use crate::maker::Maker;
 use crate::open::{Kind, Open};
 use crate::stencil::opposite;
 use lbm_ibm_coupling::Vec3;

@@ -4,7 +4,7 @@ use crate::collide::Span;
 use crate::element::Precision;
 use crate::fluid::Fluid;
 use crate::kernel::Kernel;
-use crate::links::Maker;
+use crate::maker::Maker;
 use crate::mask::Mask;
 use crate::stencil::{MAX_Q, Velocities, opposite};
 use crate::storage::Storage;

@@ -87,7 +87,10 @@ pub fn rigid_drag(effort: Effort) -> Outcome {
     let mut findings = Findings::of("rigid_drag");
     let mut rows = Vec::new();
     for kernel in Kernel::ALL {
-        for radius in [3.0, 4.0, 6.0] {
+        for radius in [3.0, 4.0, 6.0]
+            .into_iter()
+            .filter(|r| *r >= kernel.least_rigid_radius())
+        {
             for tau in [0.6, 1.0, 3.0] {
                 rows.push((kernel, radius, tau));
             }
