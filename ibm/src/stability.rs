@@ -48,7 +48,7 @@ pub(crate) fn stable_step(
 /// fluid of `layer` (kg/m2). None for a body without triangles, or one that the fluid does not carry.
 ///
 /// A mode of stiffness `k`, drag `z` and mass `m` is stable while `k dt^2 < 4 m + 2 z dt` where the fluid's viscosity is
-/// implicit, as on a lattice: the viscous limit alone is the lesser one, and on the safe side. Not so for a change of
+/// implicit, as on a lattice: the viscous limit alone is the lesser one. Not so for a change of
 /// volume: an incompressible fluid would not have it at all, while a lattice's, slightly compressible, lets a stiff volume
 /// law ring without drag. So `2 / omega` counts for that mode, `v` along `grad V / m`: `omega^2 = v.Kv / v.mv`.
 pub(crate) fn inertial_step(body: &mut dyn ImmersedBody, x: Soa3Ref<'_>, layer: f64, probe: f64) -> Option<f64> {
