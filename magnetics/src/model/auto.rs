@@ -237,15 +237,7 @@ fn finish(
     system.far.add_source_force(m, &mut out.force);
     add_link_forces(system, outgoing, outgoing, out);
     let into = system.incoming(outgoing);
-    out.energy = 0.0;
-    for (i, bead) in problem.beads.iter().enumerate() {
-        let local = system.local_field(&into, i);
-        let own = system.far.field.get(i);
-        let fixed = bead.response(Vec3::zeros()).moment;
-        out.torque.set(i, fixed.cross(&(own + local)));
-        let induced = out.moment.get(i) - fixed;
-        out.energy -= 0.5 * induced.dot(&own) + fixed.dot(&own) + 0.5 * fixed.dot(&local);
-    }
+    system.energy_and_torques(problem.beads, &into, out);
     into
 }
 

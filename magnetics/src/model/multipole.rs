@@ -180,15 +180,7 @@ impl Multipoles {
             missing[link.j] += tail;
         }
         let into = system.incoming(outgoing);
-        out.energy = 0.0;
-        for (i, bead) in problem.beads.iter().enumerate() {
-            let local = system.local_field(&into, i);
-            let own = system.far.field.get(i);
-            let fixed = bead.response(Vec3::zeros()).moment;
-            out.torque.set(i, fixed.cross(&(own + local)));
-            let induced = out.moment.get(i) - fixed;
-            out.energy -= 0.5 * induced.dot(&own) + fixed.dot(&own) + 0.5 * fixed.dot(&local);
-        }
+        system.energy_and_torques(problem.beads, &into, out);
         system.add_far_tail(outgoing, scale, &mut missing);
         out.error.force = missing.into_iter().fold(0.0, f64::max);
         into

@@ -2,9 +2,10 @@
 
 use super::coupling::{Field, Link, Shape};
 use crate::MU0;
+use crate::bead::Bead;
 use crate::error::MagneticsError;
-use crate::model::Problem;
 use crate::model::near::Interaction;
+use crate::model::{Problem, Solution};
 use lbm_ibm_coupling::nalgebra::Complex;
 use lbm_ibm_coupling::{Soa3, Vec3};
 use std::f64::consts::PI;
@@ -148,6 +149,19 @@ impl System<'_> {
     pub fn local_field(&self, into: &[Complex<f64>], i: usize) -> Vec3 {
         let [b0, b1] = [into[i * self.count], into[i * self.count + 1]];
         Vec3::new(b1.re, -b1.im, -b0.re) * (MU0 / self.unit)
+    }
+
+    /// Sets the energy (J) and the torques (N m) of the moments in `out`, in the field of the incoming coefficients.
+    pub fn energy_and_torques(&self, beads: &[Bead], into: &[Complex<f64>], out: &mut Solution) {
+        out.energy = 0.0;
+        for (i, bead) in beads.iter().enumerate() {
+            let local = self.local_field(into, i);
+            let own = self.far.field.get(i);
+            let fixed = bead.response(Vec3::zeros()).moment;
+            out.torque.set(i, fixed.cross(&(own + local)));
+            let induced = out.moment.get(i) - fixed;
+            out.energy -= 0.5 * induced.dot(&own) + fixed.dot(&own) + 0.5 * fixed.dot(&local);
+        }
     }
 
     /// Dipole moments (A m2) of outgoing coefficients.
