@@ -47,7 +47,11 @@ impl Span<'_> {
     /// Places of the first node.
     #[inline(always)]
     fn first<S, const Q: usize>(&self) -> [*mut S; Q] {
-        std::array::from_fn(|i| self.places[i].cast::<S>().wrapping_add(self.start))
+        let mut first = [std::ptr::null_mut(); Q];
+        for (first, place) in first.iter_mut().zip(self.places) {
+            *first = place.cast::<S>().wrapping_add(self.start);
+        }
+        first
     }
 
     /// Asks for the populations that come some way after node `x`, in this span or the next.
@@ -67,6 +71,74 @@ impl Span<'_> {
     }
 }
 
+// A closure that the compiler does not inline is compiled without the instruction set of the kernel, and calls one function for each
+// operation: hence plain functions and loops here and in the models.
+
+/// The populations of `n` nodes from `x` on, a vector or less.
+///
+/// # Safety
+/// As for [`span`].
+#[inline(always)]
+unsafe fn gather<V: Stored<S>, S: Element, const Q: usize>(places: &[*mut S; Q], x: usize, n: usize) -> [V; Q] {
+    // SAFETY: the caller's contract.
+    unsafe {
+        let mut f = [V::splat(0.0); Q];
+        if n == V::LANES {
+            for i in 0..Q {
+                f[i] = V::load(places[i].wrapping_add(x));
+            }
+        } else {
+            for i in 0..Q {
+                f[i] = V::load_first(places[i].wrapping_add(x), n);
+            }
+        }
+        f
+    }
+}
+
+/// Writes each population to the place of the opposite one.
+///
+/// # Safety
+/// As for [`span`].
+#[inline(always)]
+unsafe fn scatter<V: Stored<S>, S: Element, const Q: usize>(f: &[V; Q], places: &[*mut S; Q], x: usize, n: usize) {
+    // SAFETY: the caller's contract.
+    unsafe {
+        if n == V::LANES {
+            for i in 0..Q {
+                f[i].store(places[opposite(i)].wrapping_add(x));
+            }
+        } else {
+            for i in 0..Q {
+                f[i].store_first(places[opposite(i)].wrapping_add(x), n);
+            }
+        }
+    }
+}
+
+/// A vector of each component from `x` on.
+///
+/// # Safety
+/// The numbers are valid.
+#[inline(always)]
+unsafe fn wide<V: Simd>(from: [*const f64; 3], x: usize) -> [V; 3] {
+    let [a, b, c] = from;
+    // SAFETY: the caller's contract.
+    unsafe { [V::load_wide(a.add(x)), V::load_wide(b.add(x)), V::load_wide(c.add(x))] }
+}
+
+#[inline(always)]
+fn add<V: Simd>(sum: &mut [V; 3], more: [V; 3]) {
+    for a in 0..3 {
+        sum[a] = sum[a] + more[a];
+    }
+}
+
+#[inline(always)]
+fn total<V: Simd>([x, y, z]: [V; 3]) -> [f64; 3] {
+    [x.sum(), y.sum(), z.sum()]
+}
+
 /// Collides a span; returns the sum of the momentum before collision (lattice units) where `TALLY` is set, else zero.
 ///
 /// # Safety
@@ -83,46 +155,42 @@ where
     // stays between them.
     unsafe {
         let places = s.first::<S, Q>();
-        let uniform = s.uniform.map(|f| V::splat(f));
+        let uniform = [V::splat(s.uniform[0]), V::splat(s.uniform[1]), V::splat(s.uniform[2])];
         let mut sum = [V::splat(0.0); 3];
         let ends = Ends::new::<V>(s);
         for (x, n) in [(0, ends.head), (ends.tail_from, ends.tail)] {
             if n == 0 {
                 continue;
             }
-            let mut f: [V; Q] = std::array::from_fn(|i| V::load_first(places[i].wrapping_add(x), n));
+            let mut f = gather::<V, S, Q>(&places, x, n);
             let momentum = match FORCE {
-                PER_NODE => model.collide::<V, true>(&mut f, s.force.map(|p| V::load_wide(p.add(x)))),
+                PER_NODE => model.collide::<V, true>(&mut f, wide(s.force, x)),
                 UNIFORM => model.collide::<V, true>(&mut f, uniform),
                 _ => model.collide::<V, false>(&mut f, uniform),
             };
-            for i in 0..Q {
-                f[i].store_first(places[opposite(i)].wrapping_add(x), n);
-            }
+            scatter(&f, &places, x, n);
             if TALLY {
-                sum = std::array::from_fn(|a| sum[a] + momentum[a]);
+                add(&mut sum, momentum);
             }
         }
         let mut x = ends.head;
         while x < ends.tail_from {
-            let mut f: [V; Q] = std::array::from_fn(|i| V::load(places[i].wrapping_add(x)));
+            let mut f = gather::<V, S, Q>(&places, x, V::LANES);
             if ((x - ends.head) * size_of::<S>()).is_multiple_of(LINE) {
                 s.fetch_ahead::<S, Q>(x);
             }
             let momentum = match FORCE {
-                PER_NODE => model.collide::<V, true>(&mut f, s.force.map(|p| V::load_wide(p.add(x)))),
+                PER_NODE => model.collide::<V, true>(&mut f, wide(s.force, x)),
                 UNIFORM => model.collide::<V, true>(&mut f, uniform),
                 _ => model.collide::<V, false>(&mut f, uniform),
             };
-            for i in 0..Q {
-                f[i].store(places[opposite(i)].wrapping_add(x));
-            }
+            scatter(&f, &places, x, V::LANES);
             if TALLY {
-                sum = std::array::from_fn(|a| sum[a] + momentum[a]);
+                add(&mut sum, momentum);
             }
             x += V::LANES;
         }
-        if TALLY { sum.map(|v| v.sum()) } else { [0.0; 3] }
+        if TALLY { total(sum) } else { [0.0; 3] }
     }
 }
 
@@ -141,9 +209,10 @@ where
     // SAFETY: the contract of this function is that of every call below; parts are no longer than a vector.
     unsafe {
         let places = s.first::<S, Q>();
-        let uniform = s.uniform.map(|f| [f; MAX_LANES]);
+        let [fx, fy, fz] = s.uniform;
+        let uniform = [[fx; MAX_LANES], [fy; MAX_LANES], [fz; MAX_LANES]];
         let (force, stride) = if s.force[0].is_null() {
-            (uniform.each_ref().map(|f| f.as_ptr()), 0)
+            ([uniform[0].as_ptr(), uniform[1].as_ptr(), uniform[2].as_ptr()], 0)
         } else {
             (s.force, 1)
         };
@@ -152,28 +221,16 @@ where
         let mut x = 0;
         while x < s.len {
             let n = if x < head { head } else { V::LANES.min(s.len - x) };
-            let whole = n == V::LANES;
-            let mut f: [V; Q] = if whole {
-                std::array::from_fn(|i| V::load(places[i].wrapping_add(x)))
-            } else {
-                std::array::from_fn(|i| V::load_first(places[i].wrapping_add(x), n))
-            };
-            if whole && ((x - head) * size_of::<S>()).is_multiple_of(LINE) {
+            let mut f = gather::<V, S, Q>(&places, x, n);
+            if n == V::LANES && ((x - head) * size_of::<S>()).is_multiple_of(LINE) {
                 s.fetch_ahead::<S, Q>(x);
             }
-            let momentum = model.collide::<V, true>(&mut f, force.map(|p| V::load_wide(p.add(x * stride))));
-            sum = std::array::from_fn(|a| sum[a] + momentum[a]);
-            for i in 0..Q {
-                let place = places[opposite(i)].wrapping_add(x);
-                if whole {
-                    f[i].store(place);
-                } else {
-                    f[i].store_first(place, n);
-                }
-            }
+            let momentum = model.collide::<V, true>(&mut f, wide(force, x * stride));
+            add(&mut sum, momentum);
+            scatter(&f, &places, x, n);
             x += n;
         }
-        sum.map(|v| v.sum())
+        total(sum)
     }
 }
 
@@ -219,15 +276,10 @@ where
         let mut x = 0;
         while x < s.len {
             let n = V::LANES.min(s.len - x);
-            let whole = n == V::LANES;
-            let load = |i: usize| {
-                let place = places[i].wrapping_add(x);
-                if whole { V::load(place) } else { V::load_first(place, n) }
-            };
-            let f: [V; Q] = std::array::from_fn(load);
+            let f = gather::<V, S, Q>(&places, x, n);
             let (density, momentum) = moments::<M::Stencil, V, Q>(&f);
             for (v, to) in [density, momentum[0], momentum[1], momentum[2]].into_iter().zip(to) {
-                if whole {
+                if n == V::LANES {
                     v.store_wide(to.add(x));
                 } else {
                     let mut all = [0.0; MAX_LANES];

@@ -175,12 +175,26 @@ impl Velocities {
     }
 }
 
+/// Writes a block out for each opposite pair `i`, `i + 1` of `Q` velocities, so that what depends on the velocity is known when it is
+/// compiled: a loop of so many turns compilers leave as it is.
+macro_rules! each_pair {
+    ($q:ident, $i:ident, $body:block) => { each_pair!($q, $i, $body: 1 3 5 7 9 11 13 15 17 19 21 23 25); };
+    ($q:ident, $i:ident, $body:block: $($n:literal)*) => {
+        $(
+            if $n < $q {
+                let $i = $n;
+                $body
+            }
+        )*
+    };
+}
+pub(crate) use each_pair;
+
 /// Density (about 1, less 1) and momentum of a node.
 #[inline(always)]
 pub(crate) fn moments<S: Stencil<Q>, V: crate::Real, const Q: usize>(f: &[V; Q]) -> (V, [V; 3]) {
     let (mut density, mut momentum) = (f[0], [f[0].like(0.0); 3]);
-    let mut i = 1;
-    while i < Q {
+    each_pair!(Q, i, {
         let (s, d) = (f[i] + f[i + 1], f[i] - f[i + 1]);
         density = density + s;
         for a in 0..3 {
@@ -190,8 +204,7 @@ pub(crate) fn moments<S: Stencil<Q>, V: crate::Real, const Q: usize>(f: &[V; Q])
                 _ => {}
             }
         }
-        i += 2;
-    }
+    });
     (density, momentum)
 }
 

@@ -57,7 +57,7 @@ impl Model<19> for Trt {
         let all = |value: f64| f[0].like(value);
         let (rest, even, odd) = (all(self.rest), all(self.even), all(self.odd));
         let (even_velocity, odd_velocity) = (all(self.even_velocity), all(self.odd_velocity));
-        let [half, w_rest, w_axis, w_diagonal] = [0.5, W_REST, W_AXIS, W_DIAGONAL].map(all);
+        let (half, w_rest, w_axis, w_diagonal) = (all(0.5), all(W_REST), all(W_AXIS), all(W_DIAGONAL));
         let (in_density, in_speed, in_power) = (all(self.density), all(self.speed), all(self.power));
         let (even_force, odd_force) = (all(self.even_force), all(self.odd_force));
         let mut s = [f[0]; 9];

@@ -4,7 +4,7 @@
 //! odd ones part, and so do corners, face diagonals and axes: going back peels corners off the moments, then diagonals, then
 //! axes, and what is left is at rest.
 
-use crate::models::low::Low;
+use crate::models::low::{Low, Third};
 use crate::models::shift::{Central, fourth19};
 use crate::real::Real;
 use crate::stencil::{D2Q9, D3Q19, D3Q27, Stencil};
@@ -14,8 +14,8 @@ pub trait Basis<const Q: usize>: Stencil<Q> + Clone + Send + Sync {
     /// Axes along which there is motion.
     const AXES: usize;
 
-    /// Moments up to third order. Those that the stencil lacks are zero.
-    fn low<V: Real>(f: &[V; Q]) -> Low<V>;
+    /// Moments to second order, and those of third. What the stencil lacks is zero.
+    fn low<V: Real>(f: &[V; Q]) -> (Low<V>, Third<V>);
 
     /// Populations with these Hermite moments: density (about 1, less 1), momentum and second order (xx, yy, zz, xy, xz, yz). Those of
     /// higher order are zero.
@@ -33,16 +33,14 @@ pub trait Basis<const Q: usize>: Stencil<Q> + Clone + Send + Sync {
 
 /// Moments of third and fourth order of the nineteen velocities, and those below.
 pub struct Raw19<V> {
-    pub density: V,
-    pub first: [V; 3],
-    pub second: [V; 6],
-    /// As the first six of [`Low::third`].
+    pub low: Low<V>,
+    /// The first six of [`Third`].
     pub third: [V; 6],
     /// xxyy, xxzz, yyzz.
     pub fourth: [V; 3],
 }
 
-/// Where populations of the planes xy, xz and yz start, and the places of their moments among [`Low::third`]: `a b b` and
+/// Where populations of the planes xy, xz and yz start, and the places of their moments among [`Third`]: `a b b` and
 /// `b a a`.
 const PAIRS: [(usize, usize, usize); 3] = [(7, 0, 2), (11, 1, 4), (15, 3, 5)];
 
@@ -66,44 +64,52 @@ pub fn raw19<V: Real>(f: &[V]) -> Raw19<V> {
     let y = (f[3] + f[4], f[3] - f[4]);
     let z = (f[5] + f[6], f[5] - f[6]);
     Raw19 {
-        density: f[0] + (x.0 + y.0 + z.0) + (xy + xz + yz),
-        first: [
-            x.1 + (third[0] + third[1]),
-            y.1 + (third[2] + third[3]),
-            z.1 + (third[4] + third[5]),
-        ],
-        second: [
-            x.0 + (xy + xz),
-            y.0 + (xy + yz),
-            z.0 + (xz + yz),
-            across[0],
-            across[1],
-            across[2],
-        ],
+        low: Low {
+            density: f[0] + (x.0 + y.0 + z.0) + (xy + xz + yz),
+            momentum: [
+                x.1 + (third[0] + third[1]),
+                y.1 + (third[2] + third[3]),
+                z.1 + (third[4] + third[5]),
+            ],
+            second: [
+                x.0 + (xy + xz),
+                y.0 + (xy + yz),
+                z.0 + (xz + yz),
+                across[0],
+                across[1],
+                across[2],
+            ],
+        },
         third,
         fourth,
     }
 }
 
+/// `(s + d) share` and `(s - d) share`.
+#[inline(always)]
+fn pair<V: Real>(s: V, d: V, share: V) -> [V; 2] {
+    let s = s * share;
+    [d.mul_add(share, s), d.neg_mul_add(share, s)]
+}
+
 /// Writes the populations of the first nineteen velocities.
 #[inline(always)]
 pub fn populations19<V: Real>(raw: &Raw19<V>, f: &mut [V]) {
-    let half = raw.density.like(0.5);
-    let pair = |s: V, d: V| [(s + d) * half, (s - d) * half];
-    let quarter = raw.density.like(0.25);
-    let [x, y, z] = raw.first;
-    let [xx, yy, zz, ..] = raw.second;
+    let Low {
+        density,
+        momentum: [x, y, z],
+        second: [xx, yy, zz, ..],
+    } = raw.low;
+    let (half, quarter) = (density.like(0.5), density.like(0.25));
     let [xyy, xzz, yxx, yzz, zxx, zyy] = raw.third;
     let [xy, xz, yz] = raw.fourth;
-    f[0] = raw.density - (xx + yy + zz) + (xy + xz + yz);
-    [f[1], f[2]] = pair(xx - (xy + xz), x - (xyy + xzz));
-    [f[3], f[4]] = pair(yy - (xy + yz), y - (yxx + yzz));
-    [f[5], f[6]] = pair(zz - (xz + yz), z - (zxx + zyy));
+    f[0] = density - (xx + yy + zz) + (xy + xz + yz);
+    [f[1], f[2]] = pair(xx - (xy + xz), x - (xyy + xzz), half);
+    [f[3], f[4]] = pair(yy - (xy + yz), y - (yxx + yzz), half);
+    [f[5], f[6]] = pair(zz - (xz + yz), z - (zxx + zyy), half);
     for (p, (start, abb, baa)) in PAIRS.into_iter().enumerate() {
-        let (all, across) = (raw.fourth[p] * quarter, raw.second[3 + p] * quarter);
-        let (a, b) = (raw.third[abb] * quarter, raw.third[baa] * quarter);
-        let (s, t) = (all + across, all - across);
-        let (d, e) = (a + b, a - b);
+        let [s, t] = pair(raw.fourth[p], raw.low.second[3 + p], quarter);
+        let [d, e] = pair(raw.third[abb], raw.third[baa], quarter);
         [f[start], f[start + 1]] = [s + d, s - d];
         [f[start + 2], f[start + 3]] = [t + e, t - e];
     }
@@ -118,22 +124,29 @@ pub fn third_of<V: Real>(a: V, b: V) -> V {
 /// Raw moments of third order from Hermite ones.
 #[inline(always)]
 pub fn raise_third<V: Real>(first: &[V; 3], third: Option<[V; 6]>) -> [V; 6] {
-    let of = first.map(|v| v * v.like(1.0 / 3.0));
-    let plain = [of[0], of[0], of[1], of[1], of[2], of[2]];
-    match third {
-        Some(h) => std::array::from_fn(|n| h[n] + plain[n]),
-        None => plain,
-    }
-}
-
-/// Raw moments of second order from Hermite ones.
-#[inline(always)]
-pub fn raise_second<V: Real>(density: V, second: &[V; 6]) -> [V; 6] {
-    let mut raw = *second;
-    for s in &mut raw[..3] {
-        *s = third_of(density, *s);
+    let mut raw = [first[0]; 6];
+    for n in 0..6 {
+        let plain = first[n / 2] * first[0].like(1.0 / 3.0);
+        raw[n] = match third {
+            Some(h) => h[n] + plain,
+            None => plain,
+        };
     }
     raw
+}
+
+/// Raw moments to second order from Hermite ones.
+#[inline(always)]
+pub fn raise_low<V: Real>(density: V, momentum: [V; 3], second: &[V; 6]) -> Low<V> {
+    let mut raw = *second;
+    for a in 0..3 {
+        raw[a] = third_of(density, raw[a]);
+    }
+    Low {
+        density,
+        momentum,
+        second: raw,
+    }
 }
 
 /// Raw moments xxyy, xxzz, yyzz of fourth order from Hermite ones of second, those of fourth being zero.
@@ -152,23 +165,16 @@ impl Basis<19> for D3Q19 {
     const AXES: usize = 3;
 
     #[inline(always)]
-    fn low<V: Real>(f: &[V; 19]) -> Low<V> {
+    fn low<V: Real>(f: &[V; 19]) -> (Low<V>, Third<V>) {
         let raw = raw19(f);
         let [a, b, c, d, e, g] = raw.third;
-        Low {
-            density: raw.density,
-            momentum: raw.first,
-            second: raw.second,
-            third: [a, b, c, d, e, g, f[0].like(0.0)],
-        }
+        (raw.low, [a, b, c, d, e, g, f[0].like(0.0)])
     }
 
     #[inline(always)]
     fn plain<V: Real>(density: V, momentum: [V; 3], second: [V; 6]) -> [V; 19] {
         let raw = Raw19 {
-            density,
-            first: momentum,
-            second: raise_second(density, &second),
+            low: raise_low(density, momentum, &second),
             third: raise_third(&momentum, None),
             fourth: fourth19(density, &second),
         };
@@ -210,8 +216,10 @@ fn signs<V: Real>([a, b, c, d]: [V; 4]) -> [V; 4] {
 /// Moments of the corners from the last eight populations.
 #[inline(always)]
 fn corners<V: Real>(f: &[V; 27]) -> Corners<V> {
-    let s = std::array::from_fn(|p| f[19 + 2 * p] + f[20 + 2 * p]);
-    let d = std::array::from_fn(|p| f[19 + 2 * p] - f[20 + 2 * p]);
+    let (mut s, mut d) = ([f[0]; 4], [f[0]; 4]);
+    for p in 0..4 {
+        (s[p], d[p]) = (f[19 + 2 * p] + f[20 + 2 * p], f[19 + 2 * p] - f[20 + 2 * p]);
+    }
     let [all, xy, xz, yz] = signs(s);
     Corners {
         even: [all, yz, xz, xy],
@@ -224,24 +232,22 @@ fn corners<V: Real>(f: &[V; 27]) -> Corners<V> {
 pub fn populations27<V: Real>(mut raw: Raw19<V>, corners: &Corners<V>) -> [V; 27] {
     let [all, yz, xz, xy] = corners.even;
     let [x, y, z, xyz] = corners.odd;
-    raw.density = raw.density - all;
-    for (first, corner) in raw.first.iter_mut().zip([x, y, z]) {
-        *first = *first - corner;
+    raw.low.density = raw.low.density - all;
+    for (n, corner) in [x, y, z].into_iter().enumerate() {
+        raw.low.momentum[n] = raw.low.momentum[n] - corner;
+        raw.fourth[n] = raw.fourth[n] - all;
     }
-    for (second, corner) in raw.second.iter_mut().zip([all, all, all, xy, xz, yz]) {
-        *second = *second - corner;
+    for (n, corner) in [all, all, all, xy, xz, yz].into_iter().enumerate() {
+        raw.low.second[n] = raw.low.second[n] - corner;
     }
-    for (third, corner) in raw.third.iter_mut().zip([x, x, y, y, z, z]) {
-        *third = *third - corner;
-    }
-    for fourth in &mut raw.fourth {
-        *fourth = *fourth - all;
+    for (n, corner) in [x, x, y, y, z, z].into_iter().enumerate() {
+        raw.third[n] = raw.third[n] - corner;
     }
     let mut f = [all; 27];
     populations19(&raw, &mut f);
     let eighth = all.like(0.125);
-    let s = signs([all, xy, xz, yz].map(|v| v * eighth));
-    let d = signs([x, y, z, xyz].map(|v| v * eighth));
+    let s = signs([all * eighth, xy * eighth, xz * eighth, yz * eighth]);
+    let d = signs([x * eighth, y * eighth, z * eighth, xyz * eighth]);
     for p in 0..4 {
         [f[19 + 2 * p], f[20 + 2 * p]] = [s[p] + d[p], s[p] - d[p]];
     }
@@ -252,34 +258,36 @@ impl Basis<27> for D3Q27 {
     const AXES: usize = 3;
 
     #[inline(always)]
-    fn low<V: Real>(f: &[V; 27]) -> Low<V> {
+    fn low<V: Real>(f: &[V; 27]) -> (Low<V>, Third<V>) {
         let raw = raw19(f);
         let Corners {
             even: [all, yz, xz, xy],
             odd: [x, y, z, xyz],
         } = corners(f);
         let [xyy, xzz, yxx, yzz, zxx, zyy] = raw.third;
-        let more = [all, all, all, xy, xz, yz];
-        Low {
-            density: raw.density + all,
-            momentum: [raw.first[0] + x, raw.first[1] + y, raw.first[2] + z],
-            second: std::array::from_fn(|n| raw.second[n] + more[n]),
-            third: [xyy + x, xzz + x, yxx + y, yzz + y, zxx + z, zyy + z, xyz],
+        let mut second = raw.low.second;
+        for (n, more) in [all, all, all, xy, xz, yz].into_iter().enumerate() {
+            second[n] = second[n] + more;
         }
+        let [jx, jy, jz] = raw.low.momentum;
+        let low = Low {
+            density: raw.low.density + all,
+            momentum: [jx + x, jy + y, jz + z],
+            second,
+        };
+        (low, [xyy + x, xzz + x, yxx + y, yzz + y, zxx + z, zyy + z, xyz])
     }
 
     #[inline(always)]
     fn plain<V: Real>(density: V, momentum: [V; 3], second: [V; 6]) -> [V; 27] {
-        let [third_part, ninth] = [1.0 / 3.0, 1.0 / 9.0].map(|v| density.like(v));
+        let (third_part, ninth) = (density.like(1.0 / 3.0), density.like(1.0 / 9.0));
         let [xx, yy, zz, xy, xz, yz] = second;
         let raw = Raw19 {
-            density,
-            first: momentum,
-            second: raise_second(density, &second),
+            low: raise_low(density, momentum, &second),
             third: raise_third(&momentum, None),
             fourth: raise_fourth(density, &second),
         };
-        let [x, y, z] = momentum.map(|m| m * ninth);
+        let [x, y, z] = [momentum[0] * ninth, momentum[1] * ninth, momentum[2] * ninth];
         let corners = Corners {
             even: [
                 (xx + yy + zz).mul_add(ninth, density * density.like(1.0 / 27.0)),
@@ -302,8 +310,7 @@ impl Basis<27> for D3Q27 {
 /// Populations of the nine velocities from the moments 1; x, y; xx, yy, xy; xyy, yxx; xxyy.
 #[inline(always)]
 pub fn populations9<V: Real>(density: V, [x, y]: [V; 2], [xx, yy, xy]: [V; 3], [xyy, yxx]: [V; 2], all: V) -> [V; 9] {
-    let [half, quarter] = [0.5, 0.25].map(|v| density.like(v));
-    let pair = |s: V, d: V, share: V| [(s + d) * share, (s - d) * share];
+    let (half, quarter) = (density.like(0.5), density.like(0.25));
     let [a, b] = pair(xx - all, x - xyy, half);
     let [c, d] = pair(yy - all, y - yxx, half);
     let [e, f] = pair(all + xy, xyy + yxx, quarter);
@@ -315,33 +322,33 @@ impl Basis<9> for D2Q9 {
     const AXES: usize = 2;
 
     #[inline(always)]
-    fn low<V: Real>(f: &[V; 9]) -> Low<V> {
+    fn low<V: Real>(f: &[V; 9]) -> (Low<V>, Third<V>) {
         let zero = f[0].like(0.0);
         let x = (f[1] + f[2], f[1] - f[2]);
         let y = (f[3] + f[4], f[3] - f[4]);
         let p = (f[5] + f[6], f[5] - f[6]);
         let q = (f[7] + f[8], f[7] - f[8]);
         let (all, xyy, yxx) = (p.0 + q.0, p.1 + q.1, p.1 - q.1);
-        Low {
+        let low = Low {
             density: f[0] + (x.0 + y.0) + all,
             momentum: [x.1 + xyy, y.1 + yxx, zero],
             second: [x.0 + all, y.0 + all, zero, p.0 - q.0, zero, zero],
-            third: [xyy, zero, yxx, zero, zero, zero, zero],
-        }
+        };
+        (low, [xyy, zero, yxx, zero, zero, zero, zero])
     }
 
     #[inline(always)]
     fn plain<V: Real>(density: V, [x, y, _]: [V; 3], second: [V; 6]) -> [V; 9] {
         let [xyy, _, yxx, ..] = raise_third(&[x, y, density], None);
         let [all, ..] = raise_fourth(density, &second);
-        let [xx, yy, _, xy, ..] = raise_second(density, &second);
+        let [xx, yy, _, xy, ..] = raise_low(density, [x, y, density], &second).second;
         populations9(density, [x, y], [xx, yy, xy], [xyy, yxx], all)
     }
 
     #[inline(always)]
     fn central<V: Real, const FORCE: bool>(c: &Central<V>) -> [V; 9] {
         let raw = c.raw19::<FORCE>();
-        let ([x, y, _], [xx, yy, _, xy, ..], [xyy, _, yxx, ..]) = (raw.first, raw.second, raw.third);
-        populations9(raw.density, [x, y], [xx, yy, xy], [xyy, yxx], raw.fourth[0])
+        let ([x, y, _], [xx, yy, _, xy, ..], [xyy, _, yxx, ..]) = (raw.low.momentum, raw.low.second, raw.third);
+        populations9(raw.low.density, [x, y], [xx, yy, xy], [xyy, yxx], raw.fourth[0])
     }
 }

@@ -43,10 +43,13 @@ impl<S: Basis<Q>, const Q: usize> Model<Q> for CentralMoments<S> {
 
     #[inline(always)]
     fn collide<V: Real, const FORCE: bool>(&self, f: &mut [V; Q], force: [V; 3]) -> [V; 3] {
-        let low = S::low(f);
+        let (low, third) = S::low(f);
         let mut state = State::new::<FORCE>(&low, force, self.second);
         let keep = state.density.like(1.0 - self.third);
-        let third = third_before::<V, FORCE>(&low, &state).map(|t| t * keep);
+        let mut third = third_before::<V, FORCE>(&low, &third, &state);
+        for t in &mut third {
+            *t = *t * keep;
+        }
         state.relax_stress(self.shear, self.bulk, S::AXES);
         *f = S::central::<V, FORCE>(&Central::new(state, third));
         low.momentum

@@ -2,16 +2,18 @@
 
 use crate::real::Real;
 
-/// Raw moments `sum f c c..` of populations less their weights.
+/// Raw moments `sum f c c..` of populations less their weights, to second order.
+#[derive(Clone, Copy)]
 pub struct Low<V> {
     /// Density, about 1, less 1.
     pub density: V,
     pub momentum: [V; 3],
     /// xx, yy, zz, xy, xz, yz.
     pub second: [V; 6],
-    /// xyy, xzz, yxx, yzz, zxx, zyy, xyz.
-    pub third: [V; 7],
 }
+
+/// Moments of third order: xyy, xzz, yxx, yzz, zxx, zyy, xyz.
+pub type Third<V> = [V; 7];
 
 /// Axes of the moments of second order off the diagonal, by place less 3.
 pub const PLANES: [[usize; 2]; 3] = [[0, 1], [0, 2], [1, 2]];
@@ -39,15 +41,16 @@ impl<V: Real> State<V> {
     pub fn new<const FORCE: bool>(low: &Low<V>, force: [V; 3], second: f64) -> Self {
         let zero = low.density.like(0.0);
         let one_half = zero.like(0.5);
-        let half = if FORCE { force.map(|f| f * one_half) } else { [zero; 3] };
         let j = low.momentum;
-        let u: [V; 3] = if FORCE {
-            std::array::from_fn(|a| j[a] + half[a])
-        } else {
-            j
-        };
+        let (mut u, mut half) = (j, [zero; 3]);
+        if FORCE {
+            for a in 0..3 {
+                half[a] = force[a] * one_half;
+                u[a] = j[a] + half[a];
+            }
+        }
         let scale = zero.like(second);
-        let v = u.map(|u| u * scale);
+        let v = [u[0] * scale, u[1] * scale, u[2] * scale];
         let pressure = low.density * zero.like(1.0 / 3.0);
         let mut stress = low.second;
         for a in 0..3 {
@@ -72,16 +75,17 @@ impl<V: Real> State<V> {
     /// Relaxes the stress, its trace at a rate of its own.
     #[inline(always)]
     pub fn relax_stress(&mut self, shear: f64, bulk: f64, axes: usize) {
-        let all = |value: f64| self.density.like(value);
-        let [x, y, z] = [self.stress[0], self.stress[1], self.stress[2]];
+        let one = self.density;
+        let [x, y, z, ..] = self.stress;
         let trace = if axes == 3 { x + y + z } else { x + y };
-        let more = trace * all((shear - bulk) / axes as f64);
-        let keep = all(1.0 - shear);
-        for s in &mut self.stress {
-            *s = *s * keep;
-        }
-        for s in &mut self.stress[..axes] {
-            *s = *s + more;
+        let more = trace * one.like((shear - bulk) / axes as f64);
+        let keep = one.like(1.0 - shear);
+        for a in 0..6 {
+            self.stress[a] = if a < axes {
+                self.stress[a].mul_add(keep, more)
+            } else {
+                self.stress[a] * keep
+            };
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::model::Model;
 use crate::models::basis::{populations19, raw19};
+use crate::models::low::{PLANES, State};
 use crate::real::Real;
 use crate::stencil::D3Q19;
 
@@ -41,20 +42,44 @@ impl MrtRates {
 /// `epsilon = (21 c^4 - 53 c^2 + 24)/2`, `q_x = (5 c^2 - 9) c_x`, `3 p_xx = 3 c_x^2 - c^2`, `p_ww = c_y^2 - c_z^2`,
 /// `pi = (3 c^2 - 5) p`, `m_x = (c_y^2 - c_z^2) c_x`.
 ///
-/// Each moment `m` becomes `m + s (m_eq - m) + (1 - s/2) m_source` at its rate `s`, equilibrium and source being those of the
-/// second-order equilibrium and of Guo's force.
+/// Each moment `m` becomes `m + S - s D` at its rate `s`, with `D = m + S/2 - m_eq` and the source `S`; equilibrium and source are
+/// those of the second-order equilibrium and of Guo's force.
+///
+/// Of the even moments, let `E_a` be the departures `D` of the diagonal stress and `Q_a` those of `c_b^2 c_c^2` in the plane across
+/// the axis `a`; `T` and `P` are their sums. The moments above are `T`, `21 P - 16 T` and, of what is left of `E` and `Q` without their
+/// sums, `E` and `3 Q + 2 E`. So in a collision `E_a` loses `s_nu E_a + (s_e - s_nu)/3 T` and `Q_a` loses
+/// `s_pi Q_a + 2/3 (s_pi - s_nu) E_a + (s_eps - s_pi)/3 P - (2/9 (s_pi - s_nu) + 16/63 (s_eps - s_e)) T`.
 #[derive(Clone, Debug)]
 pub struct Mrt {
-    rates: MrtRates,
     second: f64,
+    shear: f64,
+    stress_trace: f64,
+    planes: f64,
+    planes_stress: f64,
+    planes_sum: f64,
+    planes_trace: f64,
+    third: f64,
+    third_other: f64,
+    velocity: f64,
+    force: f64,
 }
 
 impl Mrt {
     /// With rates, and with or without the terms of second order in velocity and force.
     pub fn new(rates: MrtRates, inertia: bool) -> Self {
+        let r = rates;
         Self {
-            rates,
             second: f64::from(u8::from(inertia)),
+            shear: r.shear,
+            stress_trace: (r.bulk - r.shear) / 3.0,
+            planes: r.stress_square,
+            planes_stress: 2.0 / 3.0 * (r.stress_square - r.shear),
+            planes_sum: (r.energy_square - r.stress_square) / 3.0,
+            planes_trace: -2.0 / 9.0 * (r.stress_square - r.shear) - 16.0 / 63.0 * (r.energy_square - r.bulk),
+            third: 1.0 - 0.5 * (r.flux + r.third),
+            third_other: 0.5 * (r.third - r.flux),
+            velocity: r.flux / 3.0,
+            force: (2.0 - r.flux) / 3.0,
         }
     }
 }
@@ -64,112 +89,72 @@ impl Model<19> for Mrt {
 
     #[inline(always)]
     fn collide<V: Real, const FORCE: bool>(&self, f: &mut [V; 19], force: [V; 3]) -> [V; 3] {
-        let all = |value: f64| f[0].like(value);
+        let one = f[0];
+        let (one_half, one_third) = (one.like(0.5), one.like(1.0 / 3.0));
         let mut raw = raw19(f);
-        let momentum = raw.first;
-        let [half, second, two_thirds] = [0.5, self.second, 2.0 / 3.0].map(all);
-        let u: [V; 3] = if FORCE {
-            std::array::from_fn(|a| force[a].mul_add(half, momentum[a]))
-        } else {
-            momentum
-        };
-        let v = u.map(|u| u * second);
-        // What a moment x of second order in the velocity, x(u, u) at equilibrium, gains at a rate s: with the source 2 x(u, F) it
-        // is s (x(u, u) - x) + (2 - s) x(u, F).
-        let relax = |rate: f64, moment: V, square: V, power: V| {
-            let gain = (square - moment) * all(rate);
-            if FORCE {
-                power.mul_add(all(2.0 - rate), gain)
-            } else {
-                gain
-            }
-        };
-        let square: [V; 3] = std::array::from_fn(|a| v[a] * u[a]);
-        let power: [V; 3] = if FORCE {
-            std::array::from_fn(|a| v[a] * force[a])
-        } else {
-            square
-        };
-        let total = |x: &[V; 3]| x[0] + x[1] + x[2];
-        let axial = |x: &[V; 3]| (x[0] + x[0]) - (x[1] + x[2]);
-        let r = &self.rates;
-        // Even moments, of the rest of which the density is taken.
-        let [xx, yy, zz, ..] = raw.second;
-        let [f_xy, f_xz, f_yz] = raw.fourth;
-        let trace = xx + yy + zz - raw.density;
-        let planes = f_xy + f_xz + f_yz - raw.density * all(1.0 / 3.0);
-        // e is 19 trace, epsilon -16 trace + 21 planes; at equilibrium planes are u u / 2.
-        let trace_gain = relax(r.bulk, trace, total(&square), total(&power));
-        let epsilon = |trace: V, planes: V| trace.neg_mul_add(all(16.0), planes * all(21.0));
-        let [uu, uf] = [total(&square), total(&power)];
-        let epsilon_gain = relax(
-            r.energy_square,
-            epsilon(trace, planes),
-            epsilon(uu, uu * half),
-            epsilon(uf, uf * half),
-        );
-        let planes_gain = trace_gain.mul_add(all(16.0), epsilon_gain) * all(1.0 / 21.0);
-        // The planes' share of p is `(pi + 2 p) / 3`; at equilibrium pi is -p/2.
-        let split = |p: [V; 2]| {
-            let [stress, planes] = p;
-            planes * all(3.0) - (stress + stress)
-        };
-        let stress_pair = |stress: V, planes: V, square: V, power: V| {
-            let gain = relax(r.shear, stress, square, power);
-            let ghost = relax(
-                r.stress_square,
-                split([stress, planes]),
-                -(square * half),
-                -(power * half),
-            );
-            [gain, (gain + gain + ghost) * all(1.0 / 3.0)]
-        };
-        let [axial_gain, axial_planes] = stress_pair(
-            (xx + xx) - (yy + zz),
-            f_xy + f_xz - (f_yz + f_yz),
-            axial(&square),
-            axial(&power),
-        );
-        let [cross_gain, cross_planes] = stress_pair(yy - zz, f_xy - f_xz, square[1] - square[2], power[1] - power[2]);
-        // Back to moments of one axis or plane.
-        let [third, sixth] = [1.0 / 3.0, 1.0 / 6.0].map(all);
-        let apart = |total: V, axial: V, cross: V| {
-            let rest = axial.neg_mul_add(sixth, total * third);
-            [
-                (total + axial) * third,
-                cross.mul_add(half, rest),
-                cross.neg_mul_add(half, rest),
-            ]
-        };
-        let gains = apart(trace_gain, axial_gain, cross_gain);
+        let momentum = raw.low.momentum;
+        let state = State::new::<FORCE>(&raw.low, force, self.second);
+        let (u, v, half) = (state.u, state.v, state.half);
+        let [xx, yy, zz, ..] = state.stress;
+        let trace = xx + yy + zz;
+        // What of the stress comes from the velocity, less half the source, and half the source.
+        let (mut carried, mut power) = (u, half);
         for a in 0..3 {
-            raw.second[a] = raw.second[a] + gains[a];
-        }
-        // The planes yz, xy, xz stand to their total and differences as the axes do, with the axial one reversed.
-        let [yz, xy, xz] = apart(planes_gain, -axial_planes, cross_planes);
-        raw.fourth = [f_xy + xy, f_xz + xz, f_yz + yz];
-        for (n, [a, b]) in [[0, 1], [0, 2], [1, 2]].into_iter().enumerate() {
-            let carried = if FORCE {
-                (v[a] * force[b] + v[b] * force[a]) * half
+            if FORCE {
+                power[a] = v[a] * (half[a] + half[a]);
+                carried[a] = v[a].mul_add(u[a], -power[a]);
             } else {
-                u[b]
-            };
-            raw.second[3 + n] = raw.second[3 + n] + relax(r.shear, raw.second[3 + n], v[a] * u[b], carried);
+                carried[a] = v[a] * u[a];
+            }
         }
-        // Odd moments. With d = x y y + x z z, 2/3 u at equilibrium, q is 5 d - 4 j: that j gains all of F and its part of the
-        // source alone leaves d as if it had the rate of q.
+        // Those of `c_b^2 c_c^2` see the stress across: 1/3 (xx + yy + zz) - 1/2 aa.
+        let offset = (carried[0] + carried[1] + carried[2]).mul_add(one_third, raw.low.density * one.like(1.0 / 9.0));
+        let [xy, xz, yz] = raw.fourth;
+        let mut planes = [yz, xz, xy];
+        for a in 0..3 {
+            planes[a] = carried[a].mul_add(one_half, planes[a] - offset);
+        }
+        let sum = planes[0] + planes[1] + planes[2];
+        let common = sum.mul_add(one.like(self.planes_sum), trace * one.like(self.planes_trace));
+        let isotropic = trace * one.like(self.stress_trace);
+        let source = if FORCE {
+            (power[0] + power[1] + power[2]) * one.like(2.0 / 3.0)
+        } else {
+            one
+        };
+        for a in 0..3 {
+            let stress = state.stress[a];
+            let mut second = raw.low.second[a] - stress.mul_add(one.like(self.shear), isotropic);
+            let loss = stress.mul_add(
+                one.like(self.planes_stress),
+                planes[a].mul_add(one.like(self.planes), common),
+            );
+            let mut fourth = raw.fourth[2 - a] - loss;
+            if FORCE {
+                second = second + (power[a] + power[a]);
+                fourth = fourth + (source - power[a]);
+            }
+            raw.low.second[a] = second;
+            raw.fourth[2 - a] = fourth;
+        }
+        for (p, [a, b]) in PLANES.into_iter().enumerate() {
+            let n = 3 + p;
+            raw.low.second[n] = state.stress[n].neg_mul_add(one.like(self.shear), raw.low.second[n]);
+            if FORCE {
+                raw.low.second[n] = v[a].mul_add(force[b], v[b].mul_add(force[a], raw.low.second[n]));
+            }
+        }
+        // Of `x y y` and `x z z` the sum goes with q, which is 5 times it less 4 momenta, and the difference is m.
         for a in 0..3 {
             let [b, c] = [raw.third[2 * a], raw.third[2 * a + 1]];
-            let (d, m) = (b + c, b - c);
-            let mut gain = u[a].mul_add(two_thirds, -d) * all(r.flux);
+            let mut gain = u[a] * one.like(self.velocity);
             if FORCE {
-                gain = force[a].mul_add(all((2.0 - r.flux) / 3.0), gain);
-                raw.first[a] = raw.first[a] + force[a];
+                gain = half[a].mul_add(one.like(self.force), gain);
+                raw.low.momentum[a] = raw.low.momentum[a] + force[a];
             }
-            let gain = gain * half;
-            let other = m * all(-0.5 * r.third);
-            raw.third[2 * a] = b + (gain + other);
-            raw.third[2 * a + 1] = c + (gain - other);
+            let (keep, mix) = (one.like(self.third), one.like(self.third_other));
+            raw.third[2 * a] = b.mul_add(keep, c.mul_add(mix, gain));
+            raw.third[2 * a + 1] = c.mul_add(keep, b.mul_add(mix, gain));
         }
         populations19(&raw, f);
         momentum

@@ -5,8 +5,8 @@
 //! the weights times the density's departure, which stays at rest: order 0 is 1, order 1 half the force (after collision),
 //! and a Maxwellian has no other. All sums below leave out what the weights themselves have.
 
-use crate::models::basis::{Corners, Raw19, raise_fourth, raise_second, raise_third};
-use crate::models::low::{Low, PLANES, State, THIRDS};
+use crate::models::basis::{Corners, Raw19, raise_fourth, raise_low, raise_third};
+use crate::models::low::{Low, PLANES, State, THIRDS, Third};
 use crate::real::Real;
 
 /// Central Hermite moments after collision; those of fourth order and above are zero.
@@ -18,24 +18,23 @@ pub struct Central<V> {
     pub half: [V; 3],
     /// As in [`State`].
     pub stress: [V; 6],
-    /// As in [`Low`].
-    pub third: [V; 7],
+    pub third: Third<V>,
 }
 
 /// Central moments of third order before collision.
 #[inline(always)]
-pub fn third_before<V: Real, const FORCE: bool>(low: &Low<V>, state: &State<V>) -> [V; 7] {
+pub fn third_before<V: Real, const FORCE: bool>(low: &Low<V>, third: &Third<V>, state: &State<V>) -> Third<V> {
     let third_part = low.density.like(1.0 / 3.0);
     let State { v, half, stress, .. } = state;
-    let mut third = low.third;
+    let mut central = *third;
     for (n, [a, b, ab]) in THIRDS.into_iter().enumerate() {
-        let hermite = low.momentum[a].neg_mul_add(third_part, low.third[n]);
+        let hermite = low.momentum[a].neg_mul_add(third_part, third[n]);
         let second = low.density.neg_mul_add(third_part, low.second[b]);
         let mut inner = stress[ab] + stress[ab];
         if FORCE {
             inner = v[b].neg_mul_add(half[a], inner);
         }
-        third[n] = v[b].neg_mul_add(inner, v[a].neg_mul_add(second, hermite));
+        central[n] = v[b].neg_mul_add(inner, v[a].neg_mul_add(second, hermite));
     }
     let [x, y, z] = *v;
     let xz = if FORCE {
@@ -43,9 +42,9 @@ pub fn third_before<V: Real, const FORCE: bool>(low: &Low<V>, state: &State<V>) 
     } else {
         stress[4]
     };
-    let rest = z.neg_mul_add(stress[3], y.neg_mul_add(xz, low.third[6]));
-    third[6] = x.neg_mul_add(low.second[5], rest);
-    third
+    let rest = z.neg_mul_add(stress[3], y.neg_mul_add(xz, third[6]));
+    central[6] = x.neg_mul_add(low.second[5], rest);
+    central
 }
 
 /// Hermite moments of the lattice, in the order of [`Low`].
@@ -62,7 +61,7 @@ struct Shifted<V> {
 impl<V: Real> Central<V> {
     /// After the stress has been relaxed.
     #[inline(always)]
-    pub fn new(state: State<V>, third: [V; 7]) -> Self {
+    pub fn new(state: State<V>, third: Third<V>) -> Self {
         Self {
             density: state.density,
             u: state.u,
@@ -96,12 +95,13 @@ impl<V: Real> Central<V> {
         }
         // The places of `a b b` and `b a a`.
         let places = [[0, 2], [1, 4], [3, 5]];
-        let fourth = std::array::from_fn(|p| {
+        let mut fourth = [self.density; 3];
+        for p in 0..3 {
             let ([a, b], [abb, baa]) = (PLANES[p], places[p]);
-            let twice = |v: V| v + v;
-            let outer = v[b] * v[b].mul_add(stress[a], twice(t[baa]));
-            v[a].mul_add(v[a].mul_add(second[b], twice(third_partly[abb])), outer)
-        });
+            let outer = v[b] * v[b].mul_add(stress[a], t[baa] + t[baa]);
+            let inner = v[a].mul_add(second[b], third_partly[abb] + third_partly[abb]);
+            fourth[p] = v[a].mul_add(inner, outer);
+        }
         Shifted {
             momentum,
             second,
@@ -113,13 +113,14 @@ impl<V: Real> Central<V> {
 
     #[inline(always)]
     fn raise(&self, s: &Shifted<V>) -> Raw19<V> {
-        let plain = raise_fourth(self.density, &s.second);
+        let mut fourth = raise_fourth(self.density, &s.second);
+        for p in 0..3 {
+            fourth[p] = fourth[p] + s.fourth[p];
+        }
         Raw19 {
-            density: self.density,
-            first: s.momentum,
-            second: raise_second(self.density, &s.second),
+            low: raise_low(self.density, s.momentum, &s.second),
             third: raise_third(&s.momentum, Some(s.third)),
-            fourth: std::array::from_fn(|p| plain[p] + s.fourth[p]),
+            fourth,
         }
     }
 
@@ -142,8 +143,8 @@ impl<V: Real> Central<V> {
     /// Raw moments of the twenty-seven velocities.
     #[inline(always)]
     pub fn raw27<const FORCE: bool>(&self) -> (Raw19<V>, Corners<V>) {
-        let all = |value: f64| self.density.like(value);
-        let [third_part, ninth] = [1.0 / 3.0, 1.0 / 9.0].map(all);
+        let like = self.density;
+        let (third_part, ninth) = (like.like(1.0 / 3.0), like.like(1.0 / 9.0));
         let Self {
             v,
             half,
@@ -152,7 +153,6 @@ impl<V: Real> Central<V> {
             ..
         } = self;
         let s = self.shifted::<FORCE>();
-        let twice = |v: V| v + v;
         let [xx, yy, zz, xy, xz, yz] = s.second;
         let across = [yz, xz, xy];
         let xyz = {
@@ -167,7 +167,7 @@ impl<V: Real> Central<V> {
         for (a, [b, c, baa, caa]) in [[1, 2, 2, 4], [0, 2, 0, 5], [0, 1, 1, 3]].into_iter().enumerate() {
             let partly = v[a].neg_mul_add(across[a], xyz);
             let outer = v[b].mul_add(v[c].mul_add(stress[a], t[caa]), v[c] * t[baa]);
-            let hermite = v[a].mul_add(v[a].mul_add(across[a], twice(partly)), outer);
+            let hermite = v[a].mul_add(v[a].mul_add(across[a], partly + partly), outer);
             even[a + 1] = across[a].mul_add(third_part, hermite);
         }
         // Moments a b b c c.
@@ -179,7 +179,7 @@ impl<V: Real> Central<V> {
         {
             let (bb, cc, bc) = (v[b] * v[b], v[c] * v[c], v[b] * v[c]);
             let mut partly = bb.mul_add(s.third_partly[acc], cc * s.third_partly[abb]);
-            partly = bc.mul_add(all(4.0) * t[6], partly);
+            partly = bc.mul_add(like.like(4.0) * t[6], partly);
             if FORCE {
                 partly = (bb * cc).neg_mul_add(half[a], partly);
             }
@@ -192,11 +192,12 @@ impl<V: Real> Central<V> {
         }
         odd[3] = xyz;
         let (x, bc) = (v[0], v[1] * v[2]);
-        let thirds = twice(v[2].mul_add(t[2], v[1] * t[4]));
+        let half_thirds = v[2].mul_add(t[2], v[1] * t[4]);
+        let thirds = half_thirds + half_thirds;
         let outer = bc * bc.mul_add(stress[0], thirds);
-        let hermite = x.mul_add(x.mul_add(s.fourth[2], twice(first_partly)), outer);
+        let hermite = x.mul_add(x.mul_add(s.fourth[2], first_partly + first_partly), outer);
         let [p, q, r] = s.fourth;
-        let lower = (xx + yy + zz).mul_add(ninth, self.density * all(1.0 / 27.0));
+        let lower = (xx + yy + zz).mul_add(ninth, self.density * like.like(1.0 / 27.0));
         even[0] = (p + q + r).mul_add(third_part, hermite + lower);
         (self.raise(&s), Corners { even, odd })
     }
@@ -215,11 +216,12 @@ pub fn lattice_second<V: Real, const FORCE: bool>(
         let carried = if FORCE { u[a] + (half[a] + half[a]) } else { u[a] };
         second[a] = v[a].mul_add(carried, second[a]);
     }
-    let momentum = if FORCE {
-        std::array::from_fn(|a| u[a] + half[a])
-    } else {
-        *u
-    };
+    let mut momentum = *u;
+    if FORCE {
+        for a in 0..3 {
+            momentum[a] = u[a] + half[a];
+        }
+    }
     for (p, [a, b]) in PLANES.into_iter().enumerate() {
         second[3 + p] = v[a].mul_add(momentum[b], second[3 + p]);
         if FORCE {
@@ -234,7 +236,9 @@ pub fn lattice_second<V: Real, const FORCE: bool>(
 #[inline(always)]
 pub fn fourth19<V: Real>(density: V, second: &[V; 6]) -> [V; 3] {
     let sixth = density.like(1.0 / 6.0);
-    let plain = raise_fourth(density, second);
-    let across = [second[2], second[1], second[0]];
-    std::array::from_fn(|p| across[p].neg_mul_add(sixth, plain[p]))
+    let mut fourth = raise_fourth(density, second);
+    for p in 0..3 {
+        fourth[p] = second[2 - p].neg_mul_add(sixth, fourth[p]);
+    }
+    fourth
 }

@@ -2,7 +2,7 @@
 
 use crate::model::Model;
 use crate::real::Real;
-use crate::stencil::{Stencil, moments};
+use crate::stencil::{Stencil, each_pair, moments};
 use std::marker::PhantomData;
 
 /// Two-relaxation-time collision (Ginzburg, Verhaeghe and d'Humieres 2008) with Guo's force on any stencil, BGK where both rates
@@ -44,6 +44,12 @@ const fn moves<S: Stencil<Q>, const Q: usize>(axis: usize) -> bool {
     false
 }
 
+/// `a . b`.
+#[inline(always)]
+fn dot<V: Real>(a: &[V; 3], b: &[V; 3]) -> V {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
+}
+
 /// `c . v` for a velocity that is known when this is compiled.
 #[inline(always)]
 fn along<V: Real>(c: [i32; 3], v: &[V; 3]) -> V {
@@ -65,45 +71,42 @@ impl<S: Stencil<Q> + Clone + Send + Sync, const Q: usize> Model<Q> for TwoRates<
 
     #[inline(always)]
     fn collide<V: Real, const FORCE: bool>(&self, f: &mut [V; Q], force: [V; 3]) -> [V; 3] {
-        let like = f[0];
-        let all = |value: f64| like.like(value);
+        let one = f[0];
         let (density, momentum) = moments::<S, V, Q>(f);
-        let half = all(0.5);
+        let half = one.like(0.5);
         let mut force = force;
         let mut u = momentum;
         if FORCE {
             for a in 0..3 {
                 if !const { [moves::<S, Q>(0), moves::<S, Q>(1), moves::<S, Q>(2)] }[a] {
-                    force[a] = all(0.0);
+                    force[a] = one.like(0.0);
                 }
                 u[a] = force[a].mul_add(half, u[a]);
             }
         }
-        let dot = |a: &[V; 3], b: &[V; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
-        let mut e = dot(&u, &u).neg_mul_add(all(self.second * 1.5 * self.even), density * all(self.even));
-        let (mut a, mut b) = (
-            u.map(|v| v * all(self.second * 4.5 * self.even)),
-            u.map(|v| v * all(3.0 * self.odd)),
-        );
+        let mut e = dot(&u, &u).neg_mul_add(one.like(self.second * 1.5 * self.even), density * one.like(self.even));
+        let (mut a, mut b) = (u, u);
+        for i in 0..3 {
+            a[i] = u[i] * one.like(self.second * 4.5 * self.even);
+            b[i] = u[i] * one.like(3.0 * self.odd);
+        }
         if FORCE {
             let source = self.second * (1.0 - 0.5 * self.even);
-            e = dot(&u, &force).neg_mul_add(all(3.0 * source), e);
+            e = dot(&u, &force).neg_mul_add(one.like(3.0 * source), e);
             for i in 0..3 {
-                a[i] = force[i].mul_add(all(9.0 * source), a[i]);
-                b[i] = force[i].mul_add(all(3.0 * (1.0 - 0.5 * self.odd)), b[i]);
+                a[i] = force[i].mul_add(one.like(9.0 * source), a[i]);
+                b[i] = force[i].mul_add(one.like(3.0 * (1.0 - 0.5 * self.odd)), b[i]);
             }
         }
-        f[0] = f[0].mul_add(all(1.0 - self.even), e * all(S::W[0]));
-        let (keep_even, keep_odd) = (all(0.5 * (1.0 - self.even)), all(0.5 * (1.0 - self.odd)));
-        let mut i = 1;
-        while i < Q {
-            let (c, w) = (S::C[i], all(S::W[i]));
+        f[0] = f[0].mul_add(one.like(1.0 - self.even), e * one.like(S::W[0]));
+        let (keep_even, keep_odd) = (one.like(0.5 * (1.0 - self.even)), one.like(0.5 * (1.0 - self.odd)));
+        each_pair!(Q, i, {
+            let (c, w) = (S::C[i], one.like(S::W[i]));
             let (s, d) = (f[i] + f[i + 1], f[i] - f[i + 1]);
             let plus = s.mul_add(keep_even, w * along(c, &a).mul_add(along(c, &u), e));
             let minus = d.mul_add(keep_odd, w * along(c, &b));
             (f[i], f[i + 1]) = (plus + minus, plus - minus);
-            i += 2;
-        }
+        });
         momentum
     }
 }
