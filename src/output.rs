@@ -1,5 +1,6 @@
 //! Files, charts and progress.
 
+mod checkpoint;
 mod error;
 #[cfg(feature = "plot")]
 mod plot;
@@ -9,9 +10,10 @@ mod table;
 #[cfg(feature = "vtk")]
 mod vtk;
 
+pub use checkpoint::{CheckpointError, read_checkpoint, write_checkpoint};
 pub use error::OutputError;
 #[cfg(feature = "plot")]
-pub use plot::{Chart, Mark};
+pub use plot::{COLOURS, Chart, Mark};
 #[cfg(feature = "progress")]
 pub use progress::Progress;
 pub use table::{write_csv, write_json};

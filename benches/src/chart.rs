@@ -3,11 +3,14 @@
 //! `cargo run --release -p lbm-ibm-benches --bin chart -- --list`. A chart is an entry of [`CHARTS`]; what it shows is
 //! a function that returns its rows, most often from a table with one line per curve.
 
+mod capsule;
 mod channel;
 mod draw;
 mod front;
+mod gap;
 mod kernels;
 mod magnetics;
+mod sphere_drag;
 mod spheres;
 mod time;
 
@@ -51,6 +54,9 @@ pub const CHARTS: &[Chart] = &[
     magnetics::CLUSTERS,
     magnetics::FAR_FIELD,
     spheres::SPHERES,
+    sphere_drag::SPHERE_DRAG,
+    capsule::CAPSULE,
+    gap::GAP,
 ];
 
 /// A point of a chart.

@@ -3,6 +3,7 @@
 //! `cargo run --release -p lbm-ibm-benches --bin validate -- --help`, and the same with `--bin speed`.
 
 pub mod chart;
+pub mod gap_study;
 pub mod reference;
 pub mod scenes;
 pub mod speed;

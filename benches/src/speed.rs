@@ -1,6 +1,7 @@
 //! Timings of the fluid, of cells in it, and of magnetic sums and fields, as rows that the program `speed` prints and charts
 //! are drawn from.
 
+pub mod beads;
 pub mod cells;
 pub mod dipoles;
 pub mod far_field;

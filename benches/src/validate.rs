@@ -2,7 +2,7 @@
 //! scene has to keep.
 
 pub(crate) mod arrays;
-mod capsule;
+pub(crate) mod capsule;
 mod cavity;
 mod cells;
 mod channel;
@@ -16,7 +16,7 @@ mod magnetics;
 mod open_channel;
 mod pores;
 mod profile;
-mod rigid;
+pub(crate) mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
 mod stability;

@@ -1,7 +1,7 @@
 //! Spherical beads against each other, against walls and against the nodes of cells.
 
 use crate::{ContactError, SoftSphere};
-use lbm_ibm_coupling::{Boundary, CellList, ForceField, Loads, Soa3, Vec3, View};
+use lbm_ibm_coupling::{Boundary, CellList, ForceField, Loads, Soa3, StateError, StateReader, StateWriter, Vec3, View};
 use std::sync::Arc;
 
 /// Soft-sphere repulsion of beads by the gap between surfaces: bead and bead, bead and wall, bead and the nodes of all other
@@ -164,6 +164,15 @@ impl ForceField for BeadRepulsion {
             }
         });
         self.least = least;
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        to.number(self.least);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.least = from.number()?;
+        Ok(())
     }
 
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! Nodes against walls.
 
 use crate::SoftSphere;
-use lbm_ibm_coupling::{Boundary, ForceField, Loads, Vec3, View};
+use lbm_ibm_coupling::{Boundary, ForceField, Loads, StateError, StateReader, StateWriter, Vec3, View};
 use std::sync::Arc;
 
 /// Soft-sphere repulsion between every node and the walls; the walls feel the opposite force, part by part.
@@ -87,6 +87,17 @@ impl ForceField for WallRepulsion {
                 loads.add_wall(probe.part, -force);
             }
         }
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        to.number(self.least);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        // Where nodes have been seen is found anew.
+        self.seen.clear();
+        self.least = from.number()?;
+        Ok(())
     }
 
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! Bodies in the fluid.
 
-use crate::{Rigid, Soa3, Soa3Mut, Soa3Ref};
+use crate::{Rigid, Soa3, Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 use std::any::Any;
 
 /// How the nodes of a body move.
@@ -43,7 +43,8 @@ pub trait ImmersedBody: Any + Send + Sync {
         Motion::Advected
     }
 
-    /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range.
+    /// Adds its internal forces (N) at node positions `x` (m) and velocities `v` (m/s), on its own range. Not asked of rigid
+    /// bodies.
     fn add_internal_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>);
 
     /// Moves its nodes (`x`, m), which a step has just carried on, to where a constraint of its own holds, such as that of a
@@ -56,7 +57,7 @@ pub trait ImmersedBody: Any + Send + Sync {
     }
 
     /// Moves what its forces remember on by `time_step` (s), at whose end its nodes are at `x` (m). Called once a step, after
-    /// the nodes have moved. By default it remembers nothing.
+    /// the nodes have moved; not of rigid bodies. By default it remembers nothing.
     fn advance(&mut self, _x: Soa3Ref<'_>, _time_step: f64) {}
 
     /// Mass and drive of a body that moves as [`Motion::Rigid`].
@@ -68,6 +69,18 @@ pub trait ImmersedBody: Any + Send + Sync {
     /// `scale` about the origin. By default its nodes.
     fn markers(&self, _spacing: f64, scale: f64) -> Soa3 {
         self.reference().iter().map(|p| p * scale).collect()
+    }
+
+    /// Writes what it remembers from step to step beside the positions and velocities of its nodes, for
+    /// [`crate::Scene::save`]. By default that is nothing.
+    fn save(&self, _to: &mut StateWriter) {}
+
+    /// Takes what [`ImmersedBody::save`] has written.
+    ///
+    /// # Errors
+    /// [`StateError`].
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
+        Ok(())
     }
 
     /// Elastic energy at node positions `x` (m), J, where all of its laws have one.

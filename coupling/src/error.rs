@@ -1,6 +1,6 @@
 //! What a scene reports that it cannot do.
 
-use crate::{ExchangeError, FluidError};
+use crate::{ExchangeError, FluidError, StateError};
 
 /// Why a scene cannot be built, or why a run ended early. Nothing is lost: the scene stays as it was at the fault.
 #[derive(Debug, thiserror::Error)]
@@ -12,6 +12,9 @@ pub enum SceneError {
     /// The exchange between bodies and fluid reports a fault.
     #[error(transparent)]
     Exchange(#[from] ExchangeError),
+    /// A state cannot be made or taken.
+    #[error(transparent)]
+    State(#[from] StateError),
     /// A body was placed inside a wall, or has been pushed into one.
     #[error("body {body} ({kind}): {inside} of {nodes} nodes are inside wall part {part}, the deepest by {depth:.3e} m at ({:.4e}, {:.4e}, {:.4e}) m; place it farther from the wall, or use a stronger contact or a smaller time step", position[0], position[1], position[2])]
     BodyInWall {

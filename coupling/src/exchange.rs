@@ -1,6 +1,6 @@
 //! How nodes and fluid meet.
 
-use crate::{Bricks, Grid, ImmersedBody, Motion, RigidState, Soa3Mut, Soa3Ref};
+use crate::{Bricks, Grid, ImmersedBody, Motion, RigidState, Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 use std::any::Any;
 use std::ops::Range;
 use std::sync::Arc;
@@ -151,6 +151,17 @@ pub trait Exchange: Any + Send {
             Some(body) => Err(ExchangeError::NoRigid { body: body.id }),
             None => Ok(()),
         }
+    }
+
+    /// Writes what it remembers from step to step, for [`crate::Scene::save`]. By default that is nothing.
+    fn save(&self, _to: &mut StateWriter) {}
+
+    /// Takes what [`Exchange::save`] has written, for the same bodies.
+    ///
+    /// # Errors
+    /// [`StateError`].
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
+        Ok(())
     }
 
     /// Mass of the fluid (kg) that follows a rigid body within a step, for a fluid of `density` (kg/m3).

@@ -1,6 +1,6 @@
 //! What pushes bodies.
 
-use crate::{BodyInfo, Domain, Soa3, Soa3Ref, Vec3};
+use crate::{BodyInfo, Domain, Soa3, Soa3Ref, StateError, StateReader, StateWriter, Vec3};
 use nalgebra::Matrix3;
 use std::any::Any;
 
@@ -143,6 +143,17 @@ pub trait ForceField: Any + Send {
     /// Potential energy, J, where it has one.
     fn energy(&mut self, _view: &View<'_>) -> Option<f64> {
         None
+    }
+
+    /// Writes what it remembers from step to step, for [`crate::Scene::save`]. By default that is nothing.
+    fn save(&self, _to: &mut StateWriter) {}
+
+    /// Takes what [`ForceField::save`] has written.
+    ///
+    /// # Errors
+    /// [`StateError`].
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
+        Ok(())
     }
 
     /// Greatest stiffness (N/m) it expects to put on a single node; the time step is checked against it.

@@ -22,6 +22,7 @@ mod run;
 mod scene;
 mod soa;
 mod sphere;
+mod state;
 mod units;
 mod widest;
 
@@ -42,6 +43,7 @@ pub use run::{Finished, Run, RunError, Schedule};
 pub use scene::{Elasticity, Scene};
 pub use soa::{Soa3, Soa3Mut, Soa3Ref};
 pub use sphere::Sphere;
+pub use state::{StateError, StateReader, StateWriter};
 
 pub use units::{MM, MS, NN, PN, Scales, UM, US, Units, UnitsReport};
 

@@ -1,7 +1,7 @@
 //! Bodies that keep their shape: what they weigh, and how they move.
 
-use crate::{Vec3, Wrench};
-use nalgebra::{Isometry3, Matrix3};
+use crate::{StateError, StateReader, StateWriter, Vec3, Wrench};
+use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion};
 
 /// What drives a rigid body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -191,6 +191,70 @@ impl RigidState {
         let turn = nalgebra::UnitQuaternion::from_scaled_axis(self.angular_velocity * dt);
         self.pose.rotation = turn * self.pose.rotation;
         self.pose.rotation.renormalize();
+    }
+
+    /// Writes what a step reads of it.
+    pub(crate) fn save(&self, to: &mut StateWriter) {
+        to.vector(self.pose.translation.vector);
+        to.numbers(self.pose.rotation.coords.as_slice());
+        to.count(u64::from(self.rigid.drive == RigidDrive::Free));
+        to.count(u64::from(self.angular_momentum.is_some()));
+        to.number(self.density);
+        for vector in self.vectors() {
+            to.vector(vector);
+        }
+    }
+
+    /// Takes what [`RigidState::save`] has written.
+    pub(crate) fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        let place = Translation3::from(from.vector()?);
+        let mut rotation = [0.0; 4];
+        from.numbers(&mut rotation)?;
+        let rotation = UnitQuaternion::new_unchecked(Quaternion::from(rotation));
+        self.pose = Isometry3::from_parts(place, rotation);
+        let (free, has_momentum) = (from.count()? != 0, from.count()? != 0);
+        self.density = from.number()?;
+        let mut vectors = self.vectors();
+        for vector in &mut vectors {
+            *vector = from.vector()?;
+        }
+        let [velocity, angular_velocity, before, before_angular, momentum, rest @ ..] = vectors;
+        let [rate, angular_rate, force, torque, inner_force, inner_torque] = rest;
+        self.velocity = velocity;
+        self.angular_velocity = angular_velocity;
+        self.before = [before, before_angular];
+        self.angular_momentum = has_momentum.then_some(momentum);
+        self.mean_rate = [rate, angular_rate];
+        self.on_fluid = Wrench { force, torque };
+        self.inner = Wrench {
+            force: inner_force,
+            torque: inner_torque,
+        };
+        self.rigid.drive = match free {
+            true => RigidDrive::Free,
+            false => RigidDrive::Given {
+                velocity,
+                angular_velocity,
+            },
+        };
+        Ok(())
+    }
+
+    /// The vectors of its state, in the order in which they are saved.
+    fn vectors(&self) -> [Vec3; 11] {
+        [
+            self.velocity,
+            self.angular_velocity,
+            self.before[0],
+            self.before[1],
+            self.angular_momentum.unwrap_or_default(),
+            self.mean_rate[0],
+            self.mean_rate[1],
+            self.on_fluid.force,
+            self.on_fluid.torque,
+            self.inner.force,
+            self.inner.torque,
+        ]
     }
 
     /// Force (N) and torque (N m) about the centre of mass of the fluid on the true body in the last step: minus that on

@@ -6,6 +6,7 @@ mod limits;
 mod motion;
 mod report;
 mod rigid;
+mod save;
 mod step;
 
 pub use elastic::Elasticity;

@@ -1,6 +1,6 @@
 //! One run's device: a channel with a slit across it, fluid in it, and a cell before the slit.
 
-use crate::options::{Drive, Options, Subject, Where};
+use super::options::{Drive, Options, Subject, Where};
 use lbm_ibm::contact::{ContactError, CutOff, SlitChannel, SoftSphere, WallRepulsion};
 use lbm_ibm::coupling::nalgebra::{Isometry3, UnitQuaternion};
 use lbm_ibm::coupling::{Boundary, Grid, Guard, Motion, NN, Scene, UM, US, Units, Vec3};

@@ -1,16 +1,19 @@
 //! [`DeltaExchange`], the exchange by delta kernels.
 
-use crate::forcing::Forcing;
+mod gaps;
+
+use crate::forcing::{End, Forcing};
 use crate::inset::Inset;
 use crate::kernel::Kernel;
 use crate::placement::Placement;
 use crate::stability::{inertial_step, node_radius, stable_step};
-use crate::subdivision::{Subdivision, edges, longest, longest_edge};
-use crate::surface::{Markers, Surface, parts};
+use crate::subdivision::{Subdivision, edges, longest_edge};
+use crate::surface::{Markers, Surface};
 use crate::table::{Scratch, Table};
 use crate::transfer::{self, Node};
 use lbm_ibm_coupling::{
     BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Motion, RigidState, Soa3, Soa3Mut, Soa3Ref,
+    StateError, StateReader, StateWriter,
 };
 use std::ops::Range;
 
@@ -104,6 +107,14 @@ impl DeltaExchange {
         self
     }
 
+    /// Where the iteration that makes the fluid follow rigid bodies ends in each step: at this relative slip
+    /// ([`DeltaExchange::rigid_slip`]), or after so many iterations. By default 1e-3 and 30; at least one is taken, which alone
+    /// is direct forcing that begins with the forces of the step before.
+    pub fn with_rigid_iterations(mut self, slip: f64, iterations: usize) -> Self {
+        self.rigid.end = End { slip, iterations };
+        self
+    }
+
     /// How the last step came to terms with rigid bodies: their greatest relative slip (the norm over all markers of the
     /// velocity that is left against the surface, over that of the fluid without the bodies) and the iterations taken.
     pub fn rigid_slip(&self) -> (f64, usize) {
@@ -157,38 +168,6 @@ impl DeltaExchange {
         let bodies = self.surfaces.iter().map(|s| (s.range.clone(), &s.subdivision));
         self.table = Table::new(self.nodes, bodies);
         self.table_is_old = false;
-    }
-
-    /// Divides stretched bodies more finely.
-    fn close_gaps(&mut self, x: Soa3Ref<'_>, spacing: f64) -> Result<(), ExchangeError> {
-        let Markers::Surface { max_gap, max_division } = self.markers else {
-            return Ok(());
-        };
-        let mut changed = false;
-        let mut gap = Ok(());
-        for s in self.surfaces.iter_mut().filter(|s| !s.edges.is_empty()) {
-            let longest = longest(part(x, &s.range), &s.edges);
-            let allowed = max_gap * spacing;
-            if longest > allowed * s.division as f64 {
-                let division = parts(longest, 0.9 * allowed, max_division.max(s.division));
-                if division > s.division {
-                    s.divide(division);
-                    changed = true;
-                }
-            }
-            let gap_in_cells = longest / (spacing * s.division as f64);
-            let limit = 1.2 * max_gap;
-            if gap_in_cells > limit && gap.is_ok() {
-                gap = Err(ExchangeError::MarkerGap {
-                    body: s.id,
-                    triangle: longest_edge(part(x, &s.range), &s.edges).1,
-                    gap_in_cells,
-                    limit,
-                });
-            }
-        }
-        self.table_is_old |= changed;
-        gap
     }
 }
 
@@ -353,6 +332,22 @@ impl Exchange for DeltaExchange {
     ) -> Result<(), ExchangeError> {
         self.rigid.hold(bodies, density, time_step, self.kernel, bricks);
         Ok(())
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.surfaces.iter().for_each(|s| to.count(s.division as u64));
+        self.rigid.save(to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        for surface in &mut self.surfaces {
+            let division = from.count()? as usize;
+            if division != surface.division {
+                surface.divide(division);
+                self.table_is_old = true;
+            }
+        }
+        self.rigid.restore(from)
     }
 
     fn rigid_layer(&self, body: u32, density: f64) -> f64 {

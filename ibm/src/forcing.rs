@@ -13,7 +13,11 @@
 //! starts from the forces of the step before. One iteration from zero forces would be direct forcing, and the steps without
 //! conjugate directions multi-direct forcing.
 
+mod end;
+mod state;
 mod twist;
+
+pub(crate) use end::End;
 
 use crate::Kernel;
 use crate::placement::Placement;
@@ -31,10 +35,6 @@ const SPACING: f64 = 1.5;
 /// right is the one at half a step of force, so that a whole correction overshoots by as much again: alone it would ring,
 /// and with a flux control it grows. At 0.85 an isolated layer of fluid settles by a factor of 0.39 a step, the most.
 const SHARE: f64 = 0.85;
-/// Slip at which the iteration ends, relative to the velocity of the fluid without the bodies against their surfaces.
-const SLIP: f64 = 1e-3;
-/// Most iterations of a step.
-const ITERATIONS: usize = 30;
 
 /// A rigid body as the forcing keeps it.
 #[derive(Clone, Debug)]
@@ -75,6 +75,7 @@ impl Pair {
 /// What holds rigid bodies in the fluid.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Forcing {
+    pub end: End,
     bodies: Vec<Body>,
     spacing: f64,
     /// Marker positions, m.
@@ -269,7 +270,7 @@ impl Forcing {
                 self.residual.body.fill(Twist::zeros());
             }
             self.slip = norm(&self.residual.marker) / scale.max(f64::MIN_POSITIVE);
-            if self.slip <= SLIP || self.iterations == ITERATIONS {
+            if self.slip <= self.end.slip || self.iterations >= self.end.iterations {
                 break;
             }
             self.precondition();

@@ -4,7 +4,7 @@ use crate::bead::Bead;
 use crate::error::MagneticsError;
 use crate::model::{Model, Problem, Solution};
 use crate::source::FieldSource;
-use lbm_ibm_coupling::{ForceField, Loads, Soa3, Vec3, View};
+use lbm_ibm_coupling::{ForceField, Loads, Soa3, StateError, StateReader, StateWriter, Vec3, View};
 use std::sync::Arc;
 
 /// Puts the magnetic forces and torques of a model on the bodies of a scene that are beads.
@@ -94,6 +94,14 @@ impl ForceField for BeadForces {
                 wrench.torque += self.solution.torque.get(k);
             }
         }
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.model.save(to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.model.restore(from)
     }
 
     fn energy(&mut self, view: &View<'_>) -> Option<f64> {

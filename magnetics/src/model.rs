@@ -9,6 +9,7 @@ mod multipole;
 mod mutual;
 mod near;
 mod operator;
+mod state;
 mod strength;
 mod tables;
 
@@ -22,7 +23,7 @@ pub use mutual::MutualDipoles;
 use crate::bead::Bead;
 use crate::error::MagneticsError;
 use crate::source::FieldSource;
-use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{Soa3, Soa3Ref, StateError, StateReader, StateWriter, Vec3};
 
 /// Beads somewhere in a field: what a model solves.
 #[derive(Clone, Copy)]
@@ -151,6 +152,17 @@ pub trait Model: Send {
     /// # Errors
     /// [`MagneticsError::NotFinite`] for a field, [`MagneticsError::NotConverged`].
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError>;
+
+    /// Writes the solution from which the next one starts, for [`lbm_ibm_coupling::Scene::save`]. By default there is none.
+    fn save(&self, _to: &mut StateWriter) {}
+
+    /// Takes what [`Model::save`] has written.
+    ///
+    /// # Errors
+    /// [`StateError`].
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
+        Ok(())
+    }
 }
 
 impl<M: Model + ?Sized> Model for Box<M> {
@@ -160,5 +172,13 @@ impl<M: Model + ?Sized> Model for Box<M> {
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {
         (**self).solve(problem, out)
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        (**self).save(to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        (**self).restore(from)
     }
 }

@@ -3,7 +3,7 @@
 use crate::constraint::ConstantVolume;
 use crate::mesh::positive;
 use crate::{Law, MembraneError, Mesh};
-use lbm_ibm_coupling::{ImmersedBody, Motion, Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{ImmersedBody, Motion, Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 use std::fmt;
 use std::sync::Arc;
 
@@ -109,6 +109,14 @@ impl ImmersedBody for Cell {
         for law in &mut self.laws {
             law.advance(x, time_step);
         }
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.laws.iter().for_each(|law| law.save(to));
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.laws.iter_mut().try_for_each(|law| law.restore(from))
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

@@ -63,7 +63,7 @@ pub use worm_like_chain::WormLikeChain;
 
 pub(crate) use rigid::take_off;
 
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter, Vec3};
 
 /// An internal force law of a cell. Implement it to add one of your own:
 ///
@@ -104,6 +104,17 @@ pub trait Law: BoxedClone + Send + Sync {
     /// the nodes have moved; forces may be asked for at any other positions in between. A law without memory has
     /// nothing to do.
     fn advance(&mut self, _x: Soa3Ref<'_>, _time_step: f64) {}
+
+    /// Writes what it remembers, for [`lbm_ibm_coupling::Scene::save`]. A law without memory has nothing to write.
+    fn save(&self, _to: &mut StateWriter) {}
+
+    /// Takes what [`Law::save`] has written.
+    ///
+    /// # Errors
+    /// [`StateError`].
+    fn restore(&mut self, _from: &mut StateReader<'_>) -> Result<(), StateError> {
+        Ok(())
+    }
 }
 
 /// Copies a boxed law; every [`Law`] that is `Clone` has it.

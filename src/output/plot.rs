@@ -21,16 +21,23 @@ pub enum Mark {
 const SIZE: (u32, u32) = (960, 500);
 const LEGEND: u32 = 200;
 
-/// Colours that are told apart by all eyes (Okabe and Ito 2008), used in turn.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
+/// Colours (red, green, blue) that are told apart by all eyes (Okabe and Ito 2008) and read well on light ground, to be used
+/// in turn: those of the series of a [`Chart`].
+pub const COLOURS: [[u8; 3]; 7] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [230, 159, 0],
+    [86, 180, 233],
+    [90, 90, 90],
 ];
+
+/// The colour of a series.
+fn colour(series: usize) -> RGBColor {
+    let [r, g, b] = COLOURS[series % COLOURS.len()];
+    RGBColor(r, g, b)
+}
 
 struct Series {
     label: String,
@@ -159,7 +166,7 @@ impl Chart {
                 .map(|b| PathElement::new(vec![(b.x, b.lo), (b.x, b.hi)], BLACK.mix(0.4))),
         )?;
         for (i, s) in self.series.iter().enumerate() {
-            let colour = COLOURS[i % COLOURS.len()];
+            let colour = colour(i);
             let points = s.points.iter().copied();
             match s.mark {
                 Mark::Line => chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?,
@@ -173,7 +180,7 @@ impl Chart {
     /// The legend has a strip of its own, where it hides nothing.
     fn draw_legend(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Box<dyn std::error::Error>> {
         for (i, s) in self.series.iter().enumerate() {
-            let (y, colour) = (50 + 20 * i as i32, COLOURS[i % COLOURS.len()]);
+            let (y, colour) = (50 + 20 * i as i32, colour(i));
             match s.mark {
                 Mark::Line => area.draw(&PathElement::new(vec![(0, y), (16, y)], colour.stroke_width(2)))?,
                 Mark::Point => area.draw(&Circle::new((8, y), 4, colour.filled()))?,

@@ -4,6 +4,7 @@ use clap::{Args, Parser, Subcommand};
 use lbm_ibm::ibm::Kernel;
 use lbm_ibm_benches::Fault;
 use lbm_ibm_benches::scenes::{Crowd, on_threads};
+use lbm_ibm_benches::speed::beads::{Speed as Beads, beads};
 use lbm_ibm_benches::speed::cells::{Speed as Cells, cells};
 use lbm_ibm_benches::speed::dipoles::{Rung, Sums, rungs};
 use lbm_ibm_benches::speed::far_field::{Row, far_field};
@@ -44,6 +45,17 @@ enum What {
         /// The spheres repel each other.
         #[arg(long)]
         contact: bool,
+        #[command(flatten)]
+        timing: Timing,
+    },
+    /// Rigid beads of 4 spacings' radius in a periodic cube: whole steps beside the bare fluid, and what is called in them.
+    Beads {
+        /// Beads.
+        #[arg(long, default_value_t = 8)]
+        count: usize,
+        /// Nodes along each edge of the cube.
+        #[arg(long, default_value_t = 64)]
+        size: usize,
         #[command(flatten)]
         timing: Timing,
     },
@@ -144,6 +156,26 @@ fn main() -> Result<(), Fault> {
                     s.read,
                     s.interpolate,
                     s.best_us_per_node_in_step
+                )
+            })
+        }
+        What::Beads { count, size, timing } => {
+            let speed = on_threads(timing.threads, || beads(size, count, timing.threads, timing.seconds))?;
+            show(&[speed], timing.json.as_deref(), |s: &Beads| {
+                format!(
+                    "{} beads, {} markers, {}^3, {} threads: {:.3} ms a step, best {:.3} (bare fluid {:.3}, {:.3}); holding beads {:.3}, exchange for elastic bodies {:.4}; calls a step: bodies' forces, constraints and memories {}, elastic spreading and interpolation {}",
+                    s.count,
+                    s.markers,
+                    s.size,
+                    s.threads,
+                    s.ms_per_step,
+                    s.best_ms_per_step,
+                    s.fluid_ms_per_step,
+                    s.best_fluid_ms_per_step,
+                    s.holding_ms,
+                    s.elastic_exchange_ms,
+                    s.body_calls,
+                    s.elastic_calls
                 )
             })
         }

@@ -2,6 +2,7 @@
 
 use super::{Chart, Row, cases, curves};
 use crate::Fault;
+use lbm_ibm::output::COLOURS;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
@@ -22,16 +23,12 @@ const FAINT: RGBColor = RGBColor(232, 232, 228);
 /// The band behind the front.
 const BAND: RGBColor = RGBColor(255, 214, 90);
 
-/// Colours that are told apart by all eyes (Okabe and Ito 2008), used in turn.
-const COLOURS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(90, 90, 90),
-];
+/// The colour of a curve.
+fn colour(curve: usize) -> RGBColor {
+    let [r, g, b] = COLOURS[curve % COLOURS.len()];
+    RGBColor(r, g, b)
+}
+
 /// Corners of the marks, used in turn with the colours, so that 28 curves differ.
 const MARKS: [&[(i32, i32)]; 4] = [
     &[(-2, -5), (2, -5), (5, -2), (5, 2), (2, 5), (-2, 5), (-5, 2), (-5, -2)],
@@ -92,7 +89,7 @@ fn draw(area: &Area, chart: &Chart, rows: &[Row], front: &[bool]) -> Result<(), 
     }
     for (i, name) in names.iter().enumerate() {
         let points: Vec<_> = rows.iter().filter(|r| r.curve == *name).map(place).collect();
-        plane.draw_series(LineSeries::new(points.iter().copied(), COLOURS[i % 7].stroke_width(1)))?;
+        plane.draw_series(LineSeries::new(points.iter().copied(), colour(i).stroke_width(1)))?;
         plane.draw_series(points.into_iter().map(|p| EmptyElement::at(p) + mark(i)))?;
     }
     plane.draw_series(best.iter().map(|r| Circle::new(place(r), 8, INK.stroke_width(2))))?;
@@ -114,7 +111,7 @@ fn draw(area: &Area, chart: &Chart, rows: &[Row], front: &[bool]) -> Result<(), 
 
 /// The mark of a curve, about the origin.
 fn mark(curve: usize) -> Polygon<(i32, i32)> {
-    Polygon::new(MARKS[curve % MARKS.len()], COLOURS[curve % COLOURS.len()].filled())
+    Polygon::new(MARKS[curve % MARKS.len()], colour(curve).filled())
 }
 
 /// The legend has a strip of its own, where it hides nothing.
@@ -123,7 +120,7 @@ fn draw_legend(area: &Area, names: &[&str]) -> Result<(), Box<dyn std::error::Er
     let write = |text: &str, y: i32| area.draw(&Text::new(text.to_owned(), (36, y - 7), style.clone()));
     for (i, name) in names.iter().enumerate() {
         let y = 60 + 21 * i as i32;
-        area.draw(&PathElement::new(vec![(4, y), (28, y)], COLOURS[i % 7].stroke_width(1)))?;
+        area.draw(&PathElement::new(vec![(4, y), (28, y)], colour(i).stroke_width(1)))?;
         area.draw(&(EmptyElement::at((16, y)) + mark(i)))?;
         write(name, y)?;
     }

@@ -2,10 +2,10 @@
 
 mod contrast;
 mod meridian;
-mod scene;
+pub(crate) mod scene;
 mod shape;
 mod shear;
-mod steady;
+pub(crate) mod steady;
 mod tube;
 mod tube_scene;
 
@@ -15,7 +15,7 @@ pub use tube::{capsule_tube, capsule_tube_profile};
 
 /// What a membrane is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Material {
+pub(crate) enum Material {
     /// Neo-Hookean.
     NeoHookean,
     /// Skalak's, by its area ratio C.

@@ -11,28 +11,28 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Grid spacing, m.
-pub(super) const H: f64 = 1e-6;
+pub(crate) const H: f64 = 1e-6;
 /// Density of the fluid, kg/m3.
-pub(super) const DENSITY: f64 = 1e3;
+pub(crate) const DENSITY: f64 = 1e3;
 /// Viscosity of the fluid, Pa s.
-pub(super) const VISCOSITY: f64 = 1e-3;
+pub(crate) const VISCOSITY: f64 = 1e-3;
 
-pub(super) fn key(pairs: &[(&str, String)]) -> BTreeMap<String, String> {
+pub(crate) fn key(pairs: &[(&str, String)]) -> BTreeMap<String, String> {
     pairs.iter().map(|(k, v)| ((*k).to_owned(), v.clone())).collect()
 }
 
 /// A place about the middle of a box that no symmetry of the grid knows.
-pub(super) fn middle(shape: [usize; 3]) -> Vec3 {
+pub(crate) fn middle(shape: [usize; 3]) -> Vec3 {
     (Vec3::from(shape.map(|n| 0.5 * n as f64)) + Vec3::new(0.13, 0.29, 0.41)) * H
 }
 
 /// A pose without rotation.
-pub(super) fn at(x: Vec3) -> Isometry3<f64> {
+pub(crate) fn at(x: Vec3) -> Isometry3<f64> {
     Isometry3::translation(x.x, x.y, x.z)
 }
 
 /// Given forces (N) on the bodies, in their order.
-pub(super) struct Pull(pub Vec<Vec3>);
+pub(crate) struct Pull(pub Vec<Vec3>);
 
 impl ForceField for Pull {
     fn name(&self) -> &str {
@@ -47,12 +47,12 @@ impl ForceField for Pull {
 }
 
 /// A Stokes fluid of relaxation time `tau`.
-pub(super) fn stokes(grid: Grid, tau: f64) -> Result<Fluid, Fault> {
+pub(crate) fn stokes(grid: Grid, tau: f64) -> Result<Fluid, Fault> {
     Ok(Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(tau))?.with_inertia(false))
 }
 
 /// Superficial velocity, m/s.
-pub(super) fn flow(scene: &Scene) -> Vec3 {
+pub(crate) fn flow(scene: &Scene) -> Vec3 {
     scene.fluid().map_or(Vec3::zeros(), |f| f.superficial_velocity())
 }
 

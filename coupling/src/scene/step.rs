@@ -18,6 +18,7 @@ impl Scene {
         }
         // 1. The forces on the nodes: elastic, contact and other fields, friction against the fluid.
         self.gather_loads();
+        let all_rigid = self.infos.len() == self.rigid.len();
         motion::force_on_fluid(
             &self.infos,
             &self.loads,
@@ -38,7 +39,9 @@ impl Scene {
         self.relax_forces();
         if let Some(fluid) = &mut self.fluid {
             if !self.infos.is_empty() {
-                fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
+                if !all_rigid {
+                    fluid.exchange.spread(self.on_fluid.view(), &mut fluid.bricks);
+                }
                 if !self.rigid.is_empty() {
                     fluid.hold_rigid(&mut self.rigid, &self.x, &self.loads, &self.infos)?;
                 }
@@ -47,7 +50,7 @@ impl Scene {
             fluid.find_inside(&self.bodies, &self.infos, self.x.view())?;
             fluid.lattice.advance(&fluid.bricks)?;
             // 4. The velocity of the fluid goes to the nodes, and they move.
-            if self.infos.len() > self.rigid.len() {
+            if !all_rigid {
                 fluid.lattice.read_velocity(&mut fluid.bricks);
                 fluid
                     .exchange
@@ -64,7 +67,8 @@ impl Scene {
         );
         self.constrain();
         rigid::advance(self);
-        for (slot, info) in self.bodies.iter_mut().zip(&self.infos) {
+        let bodies = self.bodies.iter_mut().zip(&self.infos);
+        for (slot, info) in bodies.filter(|(_, info)| info.motion != Motion::Rigid) {
             slot.body.advance(part(self.x.view(), &info.range), self.time_step);
         }
         self.step += 1;
@@ -120,6 +124,7 @@ pub(super) fn internal_forces(
 ) {
     match bodies {
         [] => {}
+        [_] if infos[0].motion == Motion::Rigid => {}
         [one] => {
             let range = infos[0].range.clone();
             one.body

@@ -6,6 +6,7 @@ use super::corrected::{Extra, add_moments, apply, greatest, near_pairs};
 use super::multipole::coupling::{Field, Link, Shape, count};
 use super::multipole::system::System;
 use super::near::{Interaction, pairs};
+use super::state::{restore_complex, save_complex};
 use super::strength::{Strengths, add_bilinear};
 use super::{Model, PairCorrected, Problem, Solution};
 use crate::MU0;
@@ -15,7 +16,7 @@ use crate::tree::Summation;
 use crate::two_sphere::Truncated;
 use activity::{Activity, falling};
 use lbm_ibm_coupling::nalgebra::Complex;
-use lbm_ibm_coupling::{Soa3, Vec3};
+use lbm_ibm_coupling::{Soa3, StateError, StateReader, StateWriter, Vec3};
 use std::f64::consts::PI;
 
 const NAME: &str = "automatic";
@@ -149,6 +150,18 @@ impl Auto {
 impl Model for Auto {
     fn name(&self) -> &'static str {
         NAME
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.corrected.save(to);
+        save_complex(&self.last, to);
+        save_complex(&self.last_back, to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.corrected.restore(from)?;
+        restore_complex(&mut self.last, from)?;
+        restore_complex(&mut self.last_back, from)
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {

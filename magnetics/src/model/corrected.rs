@@ -7,6 +7,7 @@ use super::multipole::coupling::relative_slope;
 use super::mutual::finish;
 use super::near::{Interaction, error_of_tree, pairs};
 use super::operator::norm;
+use super::state::{restore_list, save_list};
 use super::strength::{Strengths, add_field};
 use super::tables::{Tables, force_size};
 use super::{Model, MutualDipoles, Problem, Solution};
@@ -15,7 +16,7 @@ use crate::error::MagneticsError;
 use crate::tree::{Summation, Tree, TreeReport};
 use crate::two_sphere::{Fineness, Moments, Truncated};
 use lbm_ibm_coupling::nalgebra::Matrix3;
-use lbm_ibm_coupling::{Soa3, Vec3};
+use lbm_ibm_coupling::{Soa3, StateError, StateReader, StateWriter, Vec3};
 use midpoints::Midpoints;
 use quadrupoles::add_cross_terms;
 
@@ -300,6 +301,16 @@ fn closed_contacts(n: usize, extras: &[Extra], problem: &Problem<'_>) -> Vec<boo
 impl Model for PairCorrected {
     fn name(&self) -> &'static str {
         "mutual dipoles with pair correction"
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.dipoles.save(to);
+        save_list(&self.adjoint, to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.dipoles.restore(from)?;
+        restore_list(&mut self.adjoint, from)
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {

@@ -7,13 +7,14 @@ pub(super) mod system;
 
 use super::near::{self, Interaction};
 use super::operator::norm;
+use super::state::{restore_complex, save_complex};
 use super::{ErrorEstimate, Model, MutualDipoles, Problem, Solution};
 use crate::MU0;
 use crate::error::{MagneticsError, within};
 use bent::Bent;
 use coupling::{Field, Link, Shape};
-use lbm_ibm_coupling::Vec3;
 use lbm_ibm_coupling::nalgebra::Complex;
+use lbm_ibm_coupling::{StateError, StateReader, StateWriter, Vec3};
 use std::f64::consts::PI;
 use system::System;
 
@@ -82,6 +83,16 @@ impl Multipoles {
 impl Model for Multipoles {
     fn name(&self) -> &'static str {
         "near multipoles"
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.dipoles.save(to);
+        save_complex(&self.last, to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.dipoles.restore(from)?;
+        restore_complex(&mut self.last, from)
     }
 
     fn solve(&mut self, problem: &Problem<'_>, out: &mut Solution) -> Result<(), MagneticsError> {

@@ -3,11 +3,12 @@
 use super::estimate::{Dipoles, Estimate};
 use super::near::{Interaction, error_of_tree};
 use super::operator::{Operator, axpy, norm};
+use super::state::{restore_list, save_list};
 use super::{ErrorEstimate, Model, Problem, Solution};
 use crate::bead::Response;
 use crate::error::MagneticsError;
 use crate::tree::{Summation, Tree, TreeReport};
-use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{Soa3, Soa3Ref, StateError, StateReader, StateWriter, Vec3};
 
 /// Self-consistent dipoles: h_i = B(x_i) + sum_j G_ij m_j(h_j), m_i the moment of bead i in the local field h_i.
 ///
@@ -233,6 +234,16 @@ impl Model for MutualDipoles {
         let of_dipoles = estimate.force(Dipoles::Mutual, problem, &self.local, out.force.view())?;
         out.error.force = missed + of_dipoles + out.error.residual * norm(&out.force);
         Ok(())
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        save_list(&self.scaled, to);
+        save_list(&self.local, to);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        restore_list(&mut self.scaled, from)?;
+        restore_list(&mut self.local, from)
     }
 }
 

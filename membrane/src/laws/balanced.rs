@@ -1,7 +1,7 @@
 //! Laws whose forces do not sum to zero, made to.
 
 use super::{Law, take_off};
-use lbm_ibm_coupling::{Soa3, Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{Soa3, Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 
 /// Several laws together, with their net force and net torque taken off.
 ///
@@ -51,6 +51,14 @@ impl Law for Balanced {
         for law in &mut self.laws {
             law.advance(x, time_step);
         }
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        self.laws.iter().for_each(|law| law.save(to));
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        self.laws.iter_mut().try_for_each(|law| law.restore(from))
     }
 }
 

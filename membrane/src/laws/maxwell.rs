@@ -2,7 +2,7 @@
 
 use super::Law;
 use crate::{MembraneError, Mesh, mesh::positive};
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 
 /// Viscosity within the membrane by a spring and a dashpot in line along each edge (Maxwell): beside an elastic
 /// membrane of shear modulus G this is the standard linear solid, with which Li and Zhang (Int. J. Numer. Meth.
@@ -84,5 +84,15 @@ impl Law for Maxwell {
             *stretch = *stretch * kept + (now - *last) * taken;
             *last = now;
         }
+    }
+
+    fn save(&self, to: &mut StateWriter) {
+        to.numbers(&self.last);
+        to.numbers(&self.stretch);
+    }
+
+    fn restore(&mut self, from: &mut StateReader<'_>) -> Result<(), StateError> {
+        from.numbers(&mut self.last)?;
+        from.numbers(&mut self.stretch)
     }
 }

@@ -4,7 +4,7 @@ use super::Material;
 use super::shape::{Ellipsoid, ellipsoid};
 use crate::Fault;
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
+use lbm_ibm::coupling::{Elasticity, Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
 use lbm_ibm::membrane::{Cell, MembraneError, Mesh, laws};
@@ -47,6 +47,8 @@ pub struct Capsule {
     pub inset: f64,
     /// Whether its volume is held.
     pub holds_volume: bool,
+    /// How its forces follow the motion within a step.
+    pub elasticity: Elasticity,
 }
 
 /// The scene of a [`Capsule`].
@@ -104,6 +106,7 @@ impl Capsule {
             .with(Plane::new(Vec3::y() * (middle.y - half), Vec3::y()).with_velocity(-Vec3::x() * (rate * half)))
             .with(Plane::new(Vec3::y() * (middle.y + half), -Vec3::y()).with_velocity(Vec3::x() * (rate * half)));
         scene.set_walls(Arc::new(walls))?;
+        scene.set_elasticity(self.elasticity);
         let pose = Isometry3::translation(middle.x, middle.y, middle.z);
         scene.add_body(self.cell(rate)?, &pose)?;
         Ok(Sheared {

@@ -1,9 +1,10 @@
 //! The steady shape of a capsule in an unbounded shear flow.
 
 use super::Material;
-use super::scene::Capsule;
+use super::scene::{Capsule, Sheared};
 use crate::Fault;
 use crate::reference::Row;
+use lbm_ibm::coupling::Elasticity;
 use lbm_ibm::ibm::Kernel;
 use std::collections::BTreeMap;
 
@@ -35,7 +36,14 @@ pub struct Steady {
 /// # Errors
 /// What the scene finds.
 pub fn steady(capsule: &Capsule, settled: f64, with_period: bool) -> Result<Steady, Fault> {
-    let mut sheared = capsule.sheared()?;
+    settle(&mut capsule.sheared()?, settled, with_period)
+}
+
+/// The same with a capsule that has been put into its flow.
+///
+/// # Errors
+/// What the scene finds.
+pub fn settle(sheared: &mut Sheared, settled: f64, with_period: bool) -> Result<Steady, Fault> {
     sheared.run_to(settled)?;
     let mut found = Steady::default();
     let before = sheared.shape().deformation();
@@ -85,6 +93,7 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
         kernel: KERNEL,
         inset: KERNEL.hydrodynamic_shift(),
         holds_volume: true,
+        elasticity: Elasticity::Explicit,
     }
 }
 
