@@ -22,6 +22,7 @@ mod run;
 mod scene;
 mod soa;
 mod sphere;
+mod threads;
 mod units;
 mod widest;
 
