@@ -6,7 +6,7 @@ use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Boundary, Grid, Guard, Scene, UM, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Drive, Fluid, LbmError, Pace};
-use lbm_ibm::membrane::{Cell, Form, Mesh, Moduli, presets};
+use lbm_ibm::membrane::{Cell, Form, Material, Mesh, Moduli, Sheet, presets};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -134,6 +134,16 @@ pub fn channel(cell: Cell, diameter: f64, spacing: f64, time_step: f64, scale: f
     Ok(scene)
 }
 
+/// Membrane of the spheres of a [`Crowd`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Sphere {
+    /// The paper's four moduli.
+    #[default]
+    Moduli,
+    /// Skalak's law and bending, with the shear modulus and bending stiffness of the four moduli's continuum.
+    Skalak,
+}
+
 /// Elastic spheres of 642 nodes and 8 um in a cube, on a grid of 1 um, under a uniform force.
 #[derive(Clone, Copy, Debug)]
 pub struct Crowd {
@@ -143,6 +153,8 @@ pub struct Crowd {
     pub count: usize,
     /// How they meet the fluid.
     pub kernel: Kernel,
+    /// Their membrane.
+    pub law: Sphere,
     /// Whether walls close the cube; else it is periodic.
     pub closed: bool,
     /// Whether spheres repel each other.
@@ -156,6 +168,7 @@ impl Crowd {
             size,
             count,
             kernel: Kernel::default(),
+            law: Sphere::default(),
             closed: false,
             contact: true,
         }
@@ -170,14 +183,25 @@ impl Crowd {
         Ok(fluid.with_drive(Drive::Force(Vec3::x() * 1e3))?)
     }
 
-    /// The shape of each sphere at rest, and its laws: the paper's four moduli.
+    /// The shape of each sphere at rest, and its laws.
     ///
     /// # Errors
     /// None that is expected.
-    pub fn sphere() -> Result<Cell, Fault> {
+    pub fn sphere(&self) -> Result<Cell, Fault> {
         let mesh = Arc::new(Mesh::sphere(4.0 * UM, 642)?);
-        let moduli = Moduli::CTC_PAPER.for_edge(1.75 * UM, mesh.mean_edge());
-        Ok(moduli.cell("sphere", mesh, Form::Corrected)?)
+        Ok(match self.law {
+            Sphere::Moduli => {
+                let moduli = Moduli::CTC_PAPER.for_edge(1.75 * UM, mesh.mean_edge());
+                moduli.cell("sphere", mesh, Form::Corrected)?
+            }
+            Sphere::Skalak => Material {
+                shear: 0.57e-6,
+                dilation: 1.71e-6,
+                bending: 1.9e-19,
+                ..Material::none(Sheet::Skalak)
+            }
+            .cell("sphere", mesh)?,
+        })
     }
 
     /// Where each sphere is put.
@@ -211,7 +235,7 @@ impl Crowd {
     pub fn scene(&self) -> Result<Scene, Fault> {
         let poses = self.poses()?;
         let mut scene = Scene::with_fluid(self.fluid()?, DeltaExchange::new(self.kernel));
-        let sphere = Self::sphere()?;
+        let sphere = self.sphere()?;
         for pose in poses {
             scene.add_body(sphere.clone(), &pose)?;
         }

@@ -1,5 +1,6 @@
 //! Velocity and force where bodies touch the fluid.
 
+use crate::threads::join;
 use crate::{Grid, Vec3};
 
 /// Nodes along each edge of a brick.
@@ -7,6 +8,8 @@ pub const EDGE: usize = 8;
 /// Nodes of a brick.
 pub const NODES: usize = EDGE * EDGE * EDGE;
 
+/// Slots per task.
+const SLOTS: usize = 64;
 const NONE: u32 = u32::MAX;
 
 /// Fluid velocity (m/s) and force (N per grid node) in the bricks of 8 x 8 x 8 nodes that bodies touch.
@@ -118,16 +121,14 @@ impl Bricks {
 
     /// Sets all forces to zero.
     pub fn clear_force(&mut self) {
-        for (slot, &b) in self.active.iter().enumerate() {
-            let mut left = std::mem::replace(&mut self.dirty[b as usize], self.rows[b as usize]);
-            while left != 0 {
-                let at = slot * NODES + left.trailing_zeros() as usize * EDGE;
-                for force in &mut self.force {
-                    force[at..at + EDGE].fill(0.0);
-                }
-                left &= left - 1;
-            }
+        let [x, y, z] = self.force.each_mut().map(Vec::as_mut_slice);
+        Clear {
+            active: &self.active,
+            brick: 0,
+            dirty: &mut self.dirty,
+            force: [x, y, z],
         }
+        .run(&self.rows);
     }
 
     /// Sets the velocity of the rows in use to `mobility` (s/kg) times their force.
@@ -213,6 +214,56 @@ impl Bricks {
         for velocity in &mut self.velocity {
             velocity.clear();
             velocity.resize(n, 0.0);
+        }
+    }
+}
+
+/// Slots whose forces are to be zero, and the bricks from number `brick` on.
+struct Clear<'a> {
+    active: &'a [u32],
+    brick: usize,
+    dirty: &'a mut [u64],
+    force: [&'a mut [f64]; 3],
+}
+
+impl Clear<'_> {
+    fn run(self, rows: &[u64]) {
+        let Self {
+            active,
+            brick,
+            dirty,
+            force: [x, y, z],
+        } = self;
+        if active.len() > SLOTS {
+            let half = active.len() / 2;
+            let (left, right) = active.split_at(half);
+            let middle = right[0] as usize;
+            let (dirty_left, dirty_right) = dirty.split_at_mut(middle - brick);
+            let [x, y, z] = [x, y, z].map(|f| f.split_at_mut(half * NODES));
+            let left = Clear {
+                active: left,
+                brick,
+                dirty: dirty_left,
+                force: [x.0, y.0, z.0],
+            };
+            let right = Clear {
+                active: right,
+                brick: middle,
+                dirty: dirty_right,
+                force: [x.1, y.1, z.1],
+            };
+            return join(|| left.run(rows), || right.run(rows));
+        }
+        for (slot, &b) in active.iter().enumerate() {
+            let b = b as usize;
+            let mut left = std::mem::replace(&mut dirty[b - brick], rows[b]);
+            while left != 0 {
+                let at = slot * NODES + left.trailing_zeros() as usize * EDGE;
+                for force in [&mut *x, &mut *y, &mut *z] {
+                    force[at..at + EDGE].fill(0.0);
+                }
+                left &= left - 1;
+            }
         }
     }
 }

@@ -72,6 +72,11 @@ impl Loads {
     /// Back to zero, sizes kept.
     pub fn clear(&mut self) {
         self.node.fill(0.0);
+        self.clear_sums();
+    }
+
+    /// The same for all but the nodes.
+    pub(crate) fn clear_sums(&mut self) {
         self.body.fill(Wrench::zero());
         self.wall.fill(Vec3::zeros());
     }

@@ -23,6 +23,7 @@ mod scene;
 mod soa;
 mod sphere;
 mod state;
+mod threads;
 mod units;
 mod widest;
 

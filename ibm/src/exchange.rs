@@ -10,7 +10,7 @@ use crate::stability::{inertial_step, node_radius, stable_step};
 use crate::subdivision::{Subdivision, edges, longest_edge};
 use crate::surface::{Markers, Surface};
 use crate::table::{Scratch, Table};
-use crate::transfer::{self, Node};
+use crate::transfer;
 use lbm_ibm_coupling::{
     BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Motion, RigidState, Soa3, Soa3Mut, Soa3Ref,
     StateError, StateReader, StateWriter,
@@ -59,7 +59,7 @@ pub struct DeltaExchange {
     /// Bodies have come, gone or been divided since the table was made.
     table_is_old: bool,
     placement: Placement,
-    tiles: Vec<Node>,
+    tiles: transfer::Scratch,
     velocity: Vec<[f64; 3]>,
     scratch: Scratch,
     rigid: Forcing,
@@ -79,7 +79,7 @@ impl DeltaExchange {
             table: Table::default(),
             table_is_old: false,
             placement: Placement::default(),
-            tiles: Vec::new(),
+            tiles: transfer::Scratch::default(),
             velocity: Vec::new(),
             scratch: Scratch::default(),
             rigid: Forcing::default(),
@@ -281,7 +281,6 @@ impl Exchange for DeltaExchange {
             }
             return;
         }
-        self.tiles.resize(p.tile_nodes, [0.0; 4]);
         self.velocity.resize(p.placed.len(), [0.0; 3]);
         let (tiles, u) = (&mut self.tiles, &mut self.velocity);
         let field = bricks.velocity().each_ref().map(Vec::as_slice);
@@ -299,7 +298,6 @@ impl Exchange for DeltaExchange {
         if self.table_is_old || p.rank.len() != self.table.len() {
             return;
         }
-        self.tiles.resize(p.tile_nodes, [0.0; 4]);
         let (table, tiles) = (&self.table, &mut self.tiles);
         let force = match &mut self.elastic_inset {
             Some(inset) => inset.spread(force),

@@ -21,7 +21,7 @@ pub(crate) use end::End;
 
 use crate::Kernel;
 use crate::placement::Placement;
-use crate::transfer::{self, Node};
+use crate::transfer;
 use lbm_ibm_coupling::nalgebra::Matrix6;
 use lbm_ibm_coupling::{Bricks, ExchangeError, Grid, ImmersedBody, RigidState, Soa3, Vec3};
 use std::f64::consts::PI;
@@ -83,7 +83,7 @@ pub(crate) struct Forcing {
     /// Markers from the centre of their body, in grid spacings.
     arm: Vec<Vec3>,
     placement: Placement,
-    tiles: Vec<Node>,
+    tiles: transfer::Scratch,
     sorted: Vec<[f64; 3]>,
     field: [Vec<f64>; 3],
     /// Marker forces as the velocity they give to a node, `dt F / (2 rho h^3)` (m/s), and velocities of the bodies.
@@ -198,7 +198,6 @@ impl Forcing {
     /// Finds the marker forces, adds them to the bricks and sets velocities and loads of the bodies.
     pub fn hold(&mut self, states: &mut [RigidState], density: f64, dt: f64, kernel: Kernel, bricks: &mut Bricks) {
         self.placement.order_by_slot(bricks);
-        self.tiles.resize(self.placement.tile_nodes, [0.0; 4]);
         for a in 0..3 {
             self.field[a].resize(bricks.force()[a].len(), 0.0);
         }

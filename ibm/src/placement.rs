@@ -1,25 +1,19 @@
 //! Markers on the grid: sorted by brick, with the part of the grid that the markers of each brick touch.
 
+mod homes;
+
 use crate::axis::{Axis, BEFORE, SEGMENTS, Segment};
 use crate::table::Table;
 use crate::threads;
-use lbm_ibm_coupling::{BRICK_EDGE, Bricks, Grid, Soa3Ref, Vec3, Work, on_widest};
+use homes::{Home, OUTSIDE, Spots, homes};
+use lbm_ibm_coupling::{BRICK_EDGE, Bricks, Grid, Soa3Ref, Vec3};
+use std::ops::{Range, RangeInclusive};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Markers per task.
 const LEAF: usize = 2048;
-/// Markers at a time.
-const BATCH: usize = 64;
-/// Brick of a marker that is outside the grid.
-const OUTSIDE: u32 = u32::MAX;
-
-/// Where a marker is: the brick of the lower corner of its stencil, the corner in that brick (below zero at a wall),
-/// and the remainders that the kernel turns into weights.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Home {
-    pub f: [f64; 3],
-    pub brick: u32,
-    pub corner: [i8; 3],
-}
+/// Bricks per task.
+const BRICKS: usize = 32;
 
 /// A marker in brick order.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,10 +34,19 @@ pub(crate) struct Group {
     pub size: [usize; 3],
     /// First node of the tile in the store of all tiles.
     pub tile: usize,
+    pub brick: [usize; 3],
+    pub slot: usize,
     /// First of its blocks; the next group's first ends it.
     pub block: usize,
     /// Rows of the tile that stencils touch: bit y of number z.
     pub rows: [u16; SEGMENTS],
+}
+
+impl Group {
+    /// Nodes of its tile.
+    pub fn nodes(&self) -> usize {
+        self.size.iter().product()
+    }
 }
 
 /// A box of nodes that a tile and a brick share.
@@ -61,91 +64,41 @@ pub(crate) struct Block {
     pub rows: u64,
 }
 
-/// The grid as markers see it.
-struct Spots<'a> {
-    axes: &'a [Axis; 3],
-    per_spacing: f64,
-    support: usize,
-    counts: [usize; 3],
+/// What the stencils of a brick's markers cover.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bounds {
+    /// Least and greatest corners.
+    low: [i8; 3],
+    high: [i8; 3],
+    /// Rows from [`BEFORE`] before the brick on: bit y of number z.
+    rows: [u16; SEGMENTS],
 }
 
-/// Finds the homes of the markers from number `first` on, on several threads where there are many.
-fn homes(out: &mut [Home], first: usize, position: &(impl Fn(usize) -> [f64; 3] + Sync), spots: &Spots<'_>) {
-    if out.len() <= LEAF {
-        return on_widest(Homes {
-            out,
-            first,
-            position,
-            spots,
-        });
-    }
-    let half = out.len() / 2;
-    let (a, b) = out.split_at_mut(half);
-    threads::join(
-        || homes(a, first, position, spots),
-        || homes(b, first + half, position, spots),
-    );
-}
-
-struct Homes<'a, P> {
-    out: &'a mut [Home],
-    first: usize,
-    position: &'a P,
-    spots: &'a Spots<'a>,
-}
-
-impl<P: Fn(usize) -> [f64; 3]> Work for Homes<'_, P> {
-    type Out = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Spots {
-            axes,
-            per_spacing,
-            support,
-            counts,
-        } = *self.spots;
-        for (n, out) in self.out.chunks_mut(BATCH).enumerate() {
-            let first = self.first + n * BATCH;
-            let mut x = [[0.0; BATCH]; 3];
-            for l in 0..out.len() {
-                let p = (self.position)(first + l);
-                (x[0][l], x[1][l], x[2][l]) = (p[0], p[1], p[2]);
-            }
-            let mut lower = [[0i32; BATCH]; 3];
-            let mut within = [true; BATCH];
+impl Bounds {
+    fn of(markers: &[Placed], support: usize) -> Self {
+        let (mut low, mut high) = ([i8::MAX; 3], [i8::MIN; 3]);
+        let mut rows = [0u16; SEGMENTS];
+        for p in markers {
             for a in 0..3 {
-                for l in 0..BATCH {
-                    let (corner, f) = axes[a].corner(x[a][l], per_spacing, support);
-                    within[l] &= axes[a].holds(corner);
-                    lower[a][l] = corner as i32;
-                    x[a][l] = f;
-                }
+                low[a] = low[a].min(p.corner[a]);
+                high[a] = high[a].max(p.corner[a]);
             }
-            for (l, home) in out.iter_mut().enumerate() {
-                let mut brick = [0; 3];
-                home.brick = 0;
-                for a in 0..3 {
-                    if within[l] {
-                        let corner = lower[a][l] as usize;
-                        brick[a] = corner / BRICK_EDGE;
-                        home.corner[a] = (corner % BRICK_EDGE) as i8;
-                        home.f[a] = x[a][l];
-                        continue;
-                    }
-                    // Across a period, at a wall, or outside.
-                    let x = (self.position)(first + l)[a];
-                    let Some((b, corner, f)) = axes[a].home(x, per_spacing, support) else {
-                        home.brick = OUTSIDE;
-                        break;
-                    };
-                    (brick[a], home.corner[a], home.f[a]) = (b, corner, f);
-                }
-                if home.brick != OUTSIDE {
-                    home.brick = ((brick[2] * counts[1] + brick[1]) * counts[0] + brick[0]) as u32;
-                }
-            }
+            let row = ((1 << support) - 1) << (p.corner[1] + BEFORE);
+            rows[(p.corner[2] + BEFORE) as usize..][..support]
+                .iter_mut()
+                .for_each(|r| *r |= row);
         }
+        Self { low, high, rows }
+    }
+}
+
+/// Markers by their places: written by several threads, each at places of its own. A copy is to be filled in anew.
+#[derive(Debug, Default)]
+struct Order(Vec<AtomicU32>);
+
+impl Clone for Order {
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 
@@ -153,7 +106,12 @@ impl<P: Fn(usize) -> [f64; 3]> Work for Homes<'_, P> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Placement {
     homes: Vec<Home>,
-    start: Vec<u32>,
+    /// For each part of the list of markers, the place of its next one in every brick.
+    next: Vec<Vec<u32>>,
+    /// Place behind the last marker of each brick.
+    end: Vec<u32>,
+    order: Order,
+    bounds: Vec<Bounds>,
     /// Markers in brick order, by number within a brick.
     pub placed: Vec<Placed>,
     /// Place of each marker in that order.
@@ -209,10 +167,11 @@ impl Placement {
             counts,
         };
         homes(&mut self.homes, 0, position, &spots);
-        if let Some(m) = self.homes.iter().position(|h| h.brick == OUTSIDE) {
+        let total = counts.iter().product();
+        if !self.sort(total) {
+            let m = self.homes.iter().position(|h| h.brick == OUTSIDE).unwrap_or_default();
             return Err((m, Vec3::from(position(m))));
         }
-        self.sort(counts.iter().product());
         self.group(counts, support, &axes);
         for block in &self.blocks {
             bricks.want_rows(bricks.index(block.brick), block.rows);
@@ -220,79 +179,98 @@ impl Placement {
         Ok(())
     }
 
-    /// Stable counting sort of the markers by brick.
-    fn sort(&mut self, bricks: usize) {
-        self.start.clear();
-        self.start.resize(bricks + 1, 0);
-        for h in &self.homes {
-            self.start[h.brick as usize + 1] += 1;
+    /// Stable counting sort of the markers by brick; not where one is outside the grid. Each task counts the markers of one
+    /// part of the list, then finds their places, then fills in one part of the places.
+    fn sort(&mut self, bricks: usize) -> bool {
+        let markers = self.homes.len();
+        let parts = (markers / LEAF).clamp(1, threads::count());
+        let size = markers.div_ceil(parts).max(1);
+        self.next.resize(parts, Vec::new());
+        self.rank.resize(markers, 0);
+        let homes = &self.homes;
+        threads::parts(&mut self.next, &mut self.rank, size, 0, &|first, next, rank| {
+            next.clear();
+            next.resize(bricks + 1, 0);
+            for h in &homes[first..first + rank.len()] {
+                next[bricks.min(h.brick as usize)] += 1;
+            }
+        });
+        if self.next.iter().any(|n| n[bricks] > 0) {
+            return false;
         }
+        self.end.resize(bricks, 0);
+        let mut first = 0;
         for b in 0..bricks {
-            self.start[b + 1] += self.start[b];
+            for next in &mut self.next {
+                first += std::mem::replace(&mut next[b], first);
+            }
+            self.end[b] = first;
         }
-        self.placed.resize(self.homes.len(), Placed::default());
-        self.rank.resize(self.homes.len(), 0);
-        for (m, h) in self.homes.iter().enumerate() {
-            let next = &mut self.start[h.brick as usize];
-            self.placed[*next as usize] = Placed {
+        self.placed.resize(markers, Placed::default());
+        self.order.0.resize_with(markers, AtomicU32::default);
+        let order = &self.order.0;
+        threads::parts(&mut self.next, &mut self.rank, size, 0, &|first, next, rank| {
+            for (i, (rank, home)) in rank.iter_mut().zip(&homes[first..]).enumerate() {
+                let next = &mut next[home.brick as usize];
+                *rank = *next;
+                // No two markers have the same place, and nobody reads before all are there.
+                order[*next as usize].store((first + i) as u32, Ordering::Relaxed);
+                *next += 1;
+            }
+        });
+        threads::fill(&mut self.placed, 0, LEAF, &|p| {
+            let marker = order[p].load(Ordering::Relaxed);
+            let h = &homes[marker as usize];
+            Placed {
                 f: h.f,
-                marker: m as u32,
+                marker,
                 corner: h.corner,
-            };
-            self.rank[m] = *next;
-            *next += 1;
-        }
+            }
+        });
+        true
     }
 
     /// Groups of markers, their tiles, and the bricks these touch.
     fn group(&mut self, counts: [usize; 3], support: usize, axes: &[Axis; 3]) {
+        self.bounds.resize(self.end.len(), Bounds::default());
+        let (end, placed) = (&self.end, &self.placed);
+        let range = |b: usize| b.checked_sub(1).map_or(0, |b| end[b] as usize)..end[b] as usize;
+        threads::fill(&mut self.bounds, 0, BRICKS, &|b| Bounds::of(&placed[range(b)], support));
         self.groups.clear();
         self.blocks.clear();
         self.tile_nodes = 0;
-        let mut first = 0;
-        // After the sort each brick's start has moved to its end.
         for b in 0..counts.iter().product() {
-            let end = self.start[b] as usize;
+            let Bounds { low, high, rows } = &self.bounds[b];
+            let end = self.end[b] as usize;
+            let first = b.checked_sub(1).map_or(0, |b| self.end[b] as usize);
             if end == first {
                 continue;
             }
-            let (mut low, mut high) = ([i8::MAX; 3], [i8::MIN; 3]);
-            let mut touched = [0u16; SEGMENTS];
-            for p in &self.placed[first..end] {
-                for a in 0..3 {
-                    low[a] = low[a].min(p.corner[a]);
-                    high[a] = high[a].max(p.corner[a]);
-                }
-                let rows = ((1 << support) - 1) << (p.corner[1] + BEFORE);
-                touched[(p.corner[2] + BEFORE) as usize..][..support]
-                    .iter_mut()
-                    .for_each(|r| *r |= rows);
-            }
             let mut group = Group {
                 first,
-                corner: low,
+                corner: *low,
                 size: [0, 1, 2].map(|a| (high[a] - low[a]) as usize + support),
                 tile: self.tile_nodes,
+                brick: [b % counts[0], b / counts[0] % counts[1], b / (counts[0] * counts[1])],
+                slot: 0,
                 block: self.blocks.len(),
                 rows: [0; SEGMENTS],
             };
             let [y, z] = [1, 2].map(|a| (low[a] + BEFORE) as usize);
-            for (to, from) in group.rows.iter_mut().zip(&touched[z..]) {
+            for (to, from) in group.rows.iter_mut().zip(&rows[z..]) {
                 *to = from >> y;
             }
-            self.tile_nodes += group.size.iter().product::<usize>();
-            let brick = [b % counts[0], b / counts[0] % counts[1], b / (counts[0] * counts[1])];
-            self.cut(&group, brick, axes);
+            self.tile_nodes += group.nodes();
+            self.cut(&group, axes);
             self.groups.push(group);
-            first = end;
         }
     }
 
-    fn cut(&mut self, group: &Group, brick: [usize; 3], axes: &[Axis; 3]) {
+    fn cut(&mut self, group: &Group, axes: &[Axis; 3]) {
         let mut segments = [[Segment::default(); SEGMENTS]; 3];
         let mut n = [0; 3];
         for a in 0..3 {
-            n[a] = axes[a].segments(brick[a], group.corner[a], group.size[a], &mut segments[a]);
+            n[a] = axes[a].segments(group.brick[a], group.corner[a], group.size[a], &mut segments[a]);
         }
         let [xs, ys, zs] = &segments;
         for z in &zs[..n[2]] {
@@ -322,8 +300,11 @@ impl Placement {
         let slots = bricks.len();
         self.slot_start.clear();
         self.slot_start.resize(slots + 2, 0);
+        // Every brick of a block has just been taken into use, and that of a group is one of them.
+        for group in &mut self.groups {
+            group.slot = bricks.slot(group.brick).unwrap_or_default();
+        }
         for block in &mut self.blocks {
-            // Every brick of a block has just been taken into use.
             block.slot = bricks.slot(block.brick).unwrap_or_default();
             self.slot_start[block.slot + 2] += 1;
         }
@@ -342,6 +323,25 @@ impl Placement {
     pub fn markers_of(&self, group: usize) -> &[Placed] {
         let end = self.groups.get(group + 1).map_or(self.placed.len(), |g| g.first);
         &self.placed[self.groups[group].first..end]
+    }
+
+    /// Where to part `groups` so that each half has as many markers, if they have more than `leaf`.
+    pub fn middle(&self, groups: &Range<usize>, leaf: usize) -> Option<usize> {
+        let own = &self.groups[groups.clone()];
+        let first = own.first()?.first;
+        let end = self.groups.get(groups.end).map_or(self.placed.len(), |g| g.first);
+        if end - first <= leaf || own.len() < 2 {
+            return None;
+        }
+        let half = own.partition_point(|g| g.first < first + (end - first) / 2);
+        Some(groups.start + half.clamp(1, own.len() - 1))
+    }
+
+    /// First and last of the groups whose tiles reach a slot that is in use.
+    pub fn reach_of_slot(&self, slot: usize) -> RangeInclusive<usize> {
+        let blocks = &self.by_slot[self.slot_start[slot] as usize..self.slot_start[slot + 1] as usize];
+        let group = |b: Option<&u32>| b.map_or(usize::MAX, |&b| self.blocks[b as usize].group);
+        group(blocks.first())..=group(blocks.last())
     }
 
     /// Blocks of one slot.

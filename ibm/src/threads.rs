@@ -2,6 +2,14 @@
 
 use lbm_ibm_coupling::{Work, on_widest};
 
+/// Number of threads.
+pub(crate) fn count() -> usize {
+    #[cfg(feature = "parallel")]
+    return rayon::current_num_threads();
+    #[cfg(not(feature = "parallel"))]
+    1
+}
+
 /// Runs both, on two threads where there are two.
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     #[cfg(feature = "parallel")]
@@ -34,6 +42,29 @@ impl<T, F: Fn(usize) -> T> Work for Fill<'_, T, F> {
     fn run(self) {
         for (i, o) in self.out.iter_mut().enumerate() {
             *o = (self.value)(self.first + i);
+        }
+    }
+}
+
+/// Calls `work` with the number of the first item, `a[i]` and the `i`-th part of `b`, of `width` items.
+pub(crate) fn parts<A: Send, B: Send>(
+    a: &mut [A],
+    b: &mut [B],
+    width: usize,
+    first: usize,
+    work: &(impl Fn(usize, &mut A, &mut [B]) + Sync),
+) {
+    match a {
+        [] => {}
+        [a] => work(first, a, b),
+        _ => {
+            let half = a.len() / 2;
+            let (a_left, a_right) = a.split_at_mut(half);
+            let (b_left, b_right) = b.split_at_mut(b.len().min(half * width));
+            join(
+                || parts(a_left, b_left, width, first, work),
+                || parts(a_right, b_right, width, first + half * width, work),
+            );
         }
     }
 }

@@ -1,20 +1,31 @@
 //! The inner loops: markers against tiles, tiles against bricks.
 //!
-//! A tile is a dense copy of the nodes around the markers of one brick, so that no stencil is ever cut. When spreading,
-//! each group adds to its own tile and each brick then adds up the tiles that reach it, both in a fixed order: no two
-//! tasks write to the same place, and the sums are the same for any number of threads.
+//! A tile is a dense copy of the nodes around the markers of one brick, so that no stencil is ever cut. When interpolating,
+//! the groups of a task take turns with one tile, which stays in cache. When spreading, each group adds to its own tile
+//! and each brick adds up the tiles that reach it, both in a fixed order: no two tasks write to the same place, and the
+//! sums are the same for any number of threads. Most bricks are added up as soon as the last tile that reaches them is
+//! there, while those tiles are still in cache.
+
+mod tasks;
 
 use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma, Six, Smoothed};
 use crate::placement::{Block, Group, Placed, Placement};
 use crate::threads;
 use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Work, on_widest};
 use std::marker::PhantomData;
+use tasks::{Part, each_group};
 
 /// Three components and one to fill a vector register.
 pub(crate) type Node = [f64; 4];
 
-/// Markers per task: below that another thread is not worth waking.
-const MARKERS: usize = 1024;
+/// Room that is kept between the passes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    tiles: Vec<Node>,
+    /// Slots that are added up.
+    done: Vec<bool>,
+}
+
 /// Slots per task.
 const SLOTS: usize = 32;
 
@@ -120,9 +131,10 @@ fn scatter<const S: usize, D: Delta<S>>(p: &Placed, force: Node, group: &Group, 
 pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
     placement: &Placement,
     field: [&[f64]; 3],
-    tiles: &mut [Node],
+    scratch: &mut Scratch,
     out: &mut [[f64; 3]],
 ) {
+    scratch.tiles.resize(placement.tile_nodes, [0.0; 4]);
     let work = |g: usize, tile: &mut [Node], out: &mut [[f64; 3]]| {
         on_widest(Gather::<S, D> {
             placement,
@@ -133,17 +145,18 @@ pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
             kernel: PhantomData,
         });
     };
-    each_group(&placement.groups, 0, tiles, out, &work);
+    each_group(placement, 0..placement.groups.len(), &mut scratch.tiles, out, &work);
 }
 
 /// Adds the forces of all markers (`force(m)`, N) to a `field` of all slots.
 pub(crate) fn spread<const S: usize, D: Delta<S>>(
     placement: &Placement,
     force: impl Fn(usize) -> Node + Sync,
-    tiles: &mut [Node],
-    field: [&mut [f64]; 3],
+    Scratch { tiles, done }: &mut Scratch,
+    mut field: [&mut [f64]; 3],
 ) {
-    let work = |g: usize, tile: &mut [Node], _: &mut [()]| {
+    tiles.resize(placement.tile_nodes, [0.0; 4]);
+    let work = |g: usize, tile: &mut [Node]| {
         on_widest(Scatter::<S, D, _> {
             placement,
             g,
@@ -152,24 +165,22 @@ pub(crate) fn spread<const S: usize, D: Delta<S>>(
             kernel: PhantomData,
         });
     };
-    // Units take no memory: only tiles are written.
-    each_group(
-        &placement.groups,
-        0,
-        tiles,
-        &mut vec![(); placement.placed.len()],
-        &work,
-    );
-    let tiles = &*tiles;
-    threads::rows(field, BRICK_NODES, 0, SLOTS, &|first, [fx, fy, fz]| {
-        for s in 0..fx.len() / BRICK_NODES {
-            let range = s * BRICK_NODES..(s + 1) * BRICK_NODES;
-            on_widest(Collect {
-                placement,
-                slot: first + s,
-                tiles,
-                brick: [&mut fx[range.clone()], &mut fy[range.clone()], &mut fz[range]],
-            });
+    done.clear();
+    done.resize(field[0].len() / BRICK_NODES, false);
+    let part = Part {
+        groups: 0..placement.groups.len(),
+        slot: 0,
+        tiles: &mut *tiles,
+        field: field.each_mut().map(|f| &mut **f),
+        done: &mut *done,
+    };
+    part.spread(placement, tasks::leaf(placement), &work);
+    let (tiles, done) = (&*tiles, &*done);
+    threads::rows(field, BRICK_NODES, 0, SLOTS, &|first, mut field| {
+        for s in 0..field[0].len() / BRICK_NODES {
+            if !done[first + s] {
+                collect(placement, first + s, (tiles, 0), brick(&mut field, s));
+            }
         }
     });
 }
@@ -179,7 +190,7 @@ pub(crate) fn interpolate_by(
     kernel: Kernel,
     p: &Placement,
     field: [&[f64]; 3],
-    tiles: &mut [Node],
+    tiles: &mut Scratch,
     out: &mut [[f64; 3]],
 ) {
     match kernel {
@@ -199,7 +210,7 @@ pub(crate) fn spread_by(
     kernel: Kernel,
     p: &Placement,
     force: impl Fn(usize) -> Node + Sync,
-    tiles: &mut [Node],
+    tiles: &mut Scratch,
     field: [&mut [f64]; 3],
 ) {
     match kernel {
@@ -263,7 +274,8 @@ impl<const S: usize, D: Delta<S>, F: Fn(usize) -> Node> Work for Scatter<'_, S, 
 struct Collect<'a> {
     placement: &'a Placement,
     slot: usize,
-    tiles: &'a [Node],
+    /// And the number of the first of them in the store of all tiles.
+    tiles: (&'a [Node], usize),
     brick: [&'a mut [f64]; 3],
 }
 
@@ -275,7 +287,7 @@ impl Work for Collect<'_> {
         let [fx, fy, fz] = self.brick;
         for block in self.placement.blocks_of_slot(self.slot) {
             let group = &self.placement.groups[block.group];
-            let tile = &self.tiles[group.tile..];
+            let tile = &self.tiles.0[group.tile - self.tiles.1..];
             let n = block.size[0];
             for bit in bits(block.rows) {
                 let (to, from) = row(block, group, bit);
@@ -290,37 +302,19 @@ impl Work for Collect<'_> {
     }
 }
 
-/// Calls `work` with each group's number, tile and markers.
-fn each_group<T: Send>(
-    groups: &[Group],
-    first: usize,
-    tiles: &mut [Node],
-    markers: &mut [T],
-    work: &(impl Fn(usize, &mut [Node], &mut [T]) + Sync),
-) {
-    let Some(head) = groups.first() else {
-        return;
-    };
-    let (tile0, marker0) = (head.tile, head.first);
-    if markers.len() > MARKERS && groups.len() > 1 {
-        let half = groups.len() / 2;
-        let (left, right) = groups.split_at(half);
-        let (tiles_left, tiles_right) = tiles.split_at_mut(right[0].tile - tile0);
-        let (left_markers, right_markers) = markers.split_at_mut(right[0].first - marker0);
-        threads::join(
-            || each_group(left, first, tiles_left, left_markers, work),
-            || each_group(right, first + half, tiles_right, right_markers, work),
-        );
-        return;
-    }
-    for (i, group) in groups.iter().enumerate() {
-        let next = groups.get(i + 1);
-        let tile_end = next.map_or(tiles.len(), |n| n.tile - tile0);
-        let marker_end = next.map_or(markers.len(), |n| n.first - marker0);
-        let (tile, own) = (
-            &mut tiles[group.tile - tile0..tile_end],
-            &mut markers[group.first - marker0..marker_end],
-        );
-        work(first + i, tile, own);
-    }
+/// Adds the tiles that reach a slot to its brick.
+fn collect(placement: &Placement, slot: usize, tiles: (&[Node], usize), brick: [&mut [f64]; 3]) {
+    on_widest(Collect {
+        placement,
+        slot,
+        tiles,
+        brick,
+    });
+}
+
+/// One slot of three fields.
+fn brick<'a>(field: &'a mut [&mut [f64]; 3], slot: usize) -> [&'a mut [f64]; 3] {
+    field
+        .each_mut()
+        .map(|f| &mut f[slot * BRICK_NODES..(slot + 1) * BRICK_NODES])
 }

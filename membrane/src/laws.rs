@@ -12,7 +12,7 @@
 //!
 //! | law | net force | net torque | energy |
 //! |---|---|---|---|
-//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`AreaVolume`] | 0 | 0 | yes |
+//! | [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`], [`Volume`], [`FourModuli`] | 0 | 0 | yes |
 //! | [`NeoHookean`], [`Skalak`], [`WormLikeChain`], [`KantorNelson`], [`Helfrich`] | 0 | 0 | yes |
 //! | [`CorticalTension`], [`Pressure`] | 0 | 0 | yes |
 //! | [`Viscosity`], [`Maxwell`] | 0 | 0 | no, they take power |
@@ -22,12 +22,14 @@
 
 mod area;
 mod area_2011;
-mod area_volume;
 mod balanced;
 mod batch;
 mod bending;
 mod bending_2011;
 mod cortical;
+mod edges;
+mod elements;
+mod four_moduli;
 mod helfrich;
 mod hinge;
 mod hyperelastic;
@@ -45,11 +47,11 @@ mod worm_like_chain;
 
 pub use area::{GlobalArea, LocalArea};
 pub use area_2011::{Area2011, Reach};
-pub use area_volume::AreaVolume;
 pub use balanced::Balanced;
 pub use bending::Bending;
 pub use bending_2011::Bending2011;
 pub use cortical::CorticalTension;
+pub use four_moduli::FourModuli;
 pub use helfrich::Helfrich;
 pub use kantor_nelson::KantorNelson;
 pub use maxwell::Maxwell;

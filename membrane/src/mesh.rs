@@ -16,6 +16,7 @@ pub use topology::Edge;
 use crate::MembraneError;
 use lbm_ibm_coupling::nalgebra::Rotation3;
 use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3, enclosed_volume, surface_area};
+use std::sync::Arc;
 
 /// A closed, oriented surface of triangles: the rest shape of a cell.
 ///
@@ -24,7 +25,7 @@ use lbm_ibm_coupling::{Soa3, Soa3Ref, Vec3, enclosed_volume, surface_area};
 #[derive(Clone, Debug)]
 pub struct Mesh {
     nodes: Soa3,
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<[[u32; 3]]>,
     edges: Vec<Edge>,
 }
 
@@ -43,7 +44,7 @@ impl Mesh {
         }
         Ok(Self {
             nodes,
-            triangles,
+            triangles: triangles.into(),
             edges,
         })
     }
@@ -56,6 +57,11 @@ impl Mesh {
     /// Node numbers of the triangles, outward by the right hand.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
+    }
+
+    /// The same, shared.
+    pub(crate) fn shared_triangles(&self) -> Arc<[[u32; 3]]> {
+        self.triangles.clone()
     }
 
     /// Edges with their two triangles, in ascending order of node numbers.

@@ -15,7 +15,7 @@ pub use cancer::{MCF7, MCF7_STRETCHER, MCF10, MCF10_STRETCHER, MOD_MCF7, MOD_MCF
 pub use healthy::{CAPSULE, LYMPHOCYTE, NEUTROPHIL, PLATELET, RED_CELL};
 pub use preset::{Outline, Preset};
 
-use crate::laws::{Area2011, AreaVolume, Balanced, Bending, Bending2011, LocalArea, Reach, Stretching, Volume};
+use crate::laws::{Area2011, Balanced, Bending, Bending2011, FourModuli, LocalArea, Reach, Stretching, Volume};
 use crate::{Cell, Disc, MembraneError, Mesh, Spacing};
 use std::sync::Arc;
 
@@ -93,14 +93,16 @@ impl Moduli {
     /// [`MembraneError::NotPositive`].
     pub fn cell(&self, kind: &str, mesh: Arc<Mesh>, form: Form) -> Result<Cell, MembraneError> {
         let m = &*mesh;
-        let cell = Cell::new(kind, mesh.clone()).with_law(Stretching::new(m, self.stretching)?);
+        let cell = Cell::new(kind, mesh.clone());
         Ok(match form {
             Form::Paper2011 => cell
+                .with_law(Stretching::new(m, self.stretching)?)
                 .with_law(Bending2011::new(m, self.bending)?)
                 .with_law(Area2011::new(m, Reach::Local, self.local_area)?)
                 .with_law(Area2011::new(m, Reach::Global, self.global_area)?)
                 .with_law(Volume::new(m, self.volume)?),
             Form::Paper2011Balanced => cell
+                .with_law(Stretching::new(m, self.stretching)?)
                 .with_law(
                     Balanced::new(m.nodes().len())
                         .with_law(Bending2011::new(m, self.bending)?)
@@ -108,16 +110,14 @@ impl Moduli {
                         .with_law(Area2011::new(m, Reach::Global, self.global_area)?),
                 )
                 .with_law(Volume::new(m, self.volume)?),
-            Form::Corrected => {
-                let area = |k| LocalArea::modulus_from_2011(m, k);
-                cell.with_law(Bending::new(m, Bending::stiffness_from_2011(m, self.bending))?)
-                    .with_law(AreaVolume::new(
-                        m,
-                        area(self.local_area),
-                        area(self.global_area),
-                        self.volume,
-                    )?)
-            }
+            Form::Corrected => cell.with_law(FourModuli::new(
+                m,
+                self.stretching,
+                Bending::stiffness_from_2011(m, self.bending),
+                LocalArea::modulus_from_2011(m, self.local_area),
+                LocalArea::modulus_from_2011(m, self.global_area),
+                self.volume,
+            )?),
         })
     }
 }

@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use lbm_ibm::ibm::Kernel;
 use lbm_ibm_benches::Fault;
-use lbm_ibm_benches::scenes::{Crowd, on_threads};
+use lbm_ibm_benches::scenes::{Crowd, Sphere, on_threads};
 use lbm_ibm_benches::speed::beads::{Speed as Beads, beads};
 use lbm_ibm_benches::speed::cells::{Speed as Cells, cells};
 use lbm_ibm_benches::speed::dipoles::{Rung, Sums, rungs};
@@ -39,6 +39,9 @@ enum What {
         /// Points of the kernel: the trilinear one, Roma's, Peskin's.
         #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u8).range(2..=4))]
         points: u8,
+        /// Membrane of the spheres.
+        #[arg(long, value_enum, default_value_t)]
+        law: Sphere,
         /// Walls close the cube.
         #[arg(long)]
         closed: bool,
@@ -125,6 +128,7 @@ fn main() -> Result<(), Fault> {
             count,
             size,
             points,
+            law,
             closed,
             contact,
             timing,
@@ -133,6 +137,7 @@ fn main() -> Result<(), Fault> {
                 size,
                 count,
                 kernel: [Kernel::TwoPoint, Kernel::RomaThree, Kernel::PeskinFour][usize::from(points) - 2],
+                law,
                 closed,
                 contact,
             };

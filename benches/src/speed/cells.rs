@@ -124,7 +124,7 @@ impl<'a> Parts<'a> {
     fn of(crowd: &Crowd, scene: &'a mut Scene) -> Result<Self, Fault> {
         let x: Soa3 = scene.positions().iter().collect();
         let infos = scene.bodies().to_vec();
-        let sphere = Crowd::sphere()?;
+        let sphere = crowd.sphere()?;
         let mut reference = Soa3::default();
         for _ in &infos {
             sphere.reference().iter().for_each(|p| reference.push(p));
@@ -148,7 +148,6 @@ impl<'a> Parts<'a> {
     fn once(&mut self) -> Result<[f64; 5], Fault> {
         let clock = Instant::now();
         let mut at = [0.0; 6];
-        self.force.fill(0.0);
         let per_cell = self.x.len() / self.cells.len().max(1);
         let Soa3 { x, y, z } = &mut self.force;
         let forces = x
@@ -162,6 +161,9 @@ impl<'a> Parts<'a> {
             .enumerate()
             .for_each(|(i, (cell, ((x, y), z)))| {
                 let range = i * per_cell..(i + 1) * per_cell;
+                for f in [&mut *x, &mut *y, &mut *z] {
+                    f.fill(0.0);
+                }
                 cell.add_internal_forces(
                     positions.slice(range.clone()),
                     velocities.slice(range),

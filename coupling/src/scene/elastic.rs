@@ -88,7 +88,6 @@ impl Operators<'_> {
 
     /// Internal forces at `x`.
     fn forces(&mut self, x: &Soa3, out: &mut Soa3) {
-        out.fill(0.0);
         internal_forces(self.bodies, self.infos, x.view(), self.v, out.view_mut());
         self.carried(out);
     }

@@ -1,6 +1,7 @@
 //! One time step.
 
 use super::{Scene, Slot, motion, rigid};
+use crate::threads::join;
 use crate::{BodyInfo, Motion, SceneError, Soa3Mut, Soa3Ref, View};
 
 impl Scene {
@@ -24,7 +25,7 @@ impl Scene {
             &self.loads,
             &self.v,
             &self.fluid_velocity,
-            &mut self.on_fluid,
+            self.on_fluid.view_mut(),
         );
         if let Some(fluid) = &mut self.fluid {
             // 2. The nodes' forces go to the fluid, then those that make it follow rigid bodies.
@@ -62,8 +63,8 @@ impl Scene {
             &self.loads,
             &self.fluid_velocity,
             self.time_step,
-            &mut self.x,
-            &mut self.v,
+            self.x.view_mut(),
+            self.v.view_mut(),
         );
         self.constrain();
         rigid::advance(self);
@@ -89,7 +90,7 @@ impl Scene {
     }
 
     fn gather_loads(&mut self) {
-        self.loads.clear();
+        self.loads.clear_sums();
         internal_forces(
             &mut self.bodies,
             &self.infos,
@@ -113,7 +114,7 @@ impl Scene {
     }
 }
 
-/// Each body's forces on its own range. Halves the bodies until one is left, so that threads share them without
+/// Sets `force` to each body's forces on its own range. Halves the bodies until one is left, so that threads share them without
 /// allocating; `force` covers the ranges of these bodies alone.
 pub(super) fn internal_forces(
     bodies: &mut [Slot],
@@ -127,6 +128,9 @@ pub(super) fn internal_forces(
         [_] if infos[0].motion == Motion::Rigid => {}
         [one] => {
             let range = infos[0].range.clone();
+            for f in [&mut *force.x, &mut *force.y, &mut *force.z] {
+                f.fill(0.0);
+            }
             one.body
                 .add_internal_forces(part(x, &range), part(v, &range), &mut force);
         }
@@ -151,20 +155,9 @@ fn part<'a>(a: Soa3Ref<'a>, range: &std::ops::Range<usize>) -> Soa3Ref<'a> {
     }
 }
 
-fn split(a: Soa3Mut<'_>, at: usize) -> (Soa3Mut<'_>, Soa3Mut<'_>) {
+pub(super) fn split(a: Soa3Mut<'_>, at: usize) -> (Soa3Mut<'_>, Soa3Mut<'_>) {
     let (x0, x1) = a.x.split_at_mut(at);
     let (y0, y1) = a.y.split_at_mut(at);
     let (z0, z1) = a.z.split_at_mut(at);
     (Soa3Mut { x: x0, y: y0, z: z0 }, Soa3Mut { x: x1, y: y1, z: z1 })
-}
-
-#[cfg(feature = "parallel")]
-fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
-    rayon::join(a, b);
-}
-
-#[cfg(not(feature = "parallel"))]
-fn join(a: impl FnOnce(), b: impl FnOnce()) {
-    a();
-    b();
 }

@@ -1,5 +1,6 @@
 //! Area elasticity from an energy.
 
+use super::elements::Elements;
 use super::triangles::{self, Tensions};
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
@@ -13,8 +14,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
 /// equilateral triangles.
 #[derive(Clone, Debug)]
 pub struct LocalArea {
-    triangles: Vec<[u32; 3]>,
-    rest: Vec<f64>,
+    triangles: Elements<3, 1>,
     modulus: f64,
 }
 
@@ -24,10 +24,8 @@ impl LocalArea {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
-        let area = |&t: &[u32; 3]| 0.5 * twice_area(corners(mesh.nodes(), t)).norm();
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
-            rest: mesh.triangles().iter().map(area).collect(),
+            triangles: Elements::areas(mesh),
             modulus: positive("the local area modulus", modulus)?,
         })
     }
@@ -44,17 +42,12 @@ impl LocalArea {
         k * mesh.triangles().iter().map(medians).sum::<f64>() / (2.0 * mesh.area())
     }
 
-    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+    pub(super) fn triangles(&self) -> &Elements<3, 1> {
         &self.triangles
     }
 
-    /// What it asks of the triangles.
-    pub(super) fn tensions(&self) -> Tensions<'_> {
-        Tensions {
-            local: Some((self.modulus, &self.rest)),
-            global: 0.0,
-            pressure: 0.0,
-        }
+    pub(super) fn modulus(&self) -> f64 {
+        self.modulus
     }
 }
 
@@ -64,12 +57,17 @@ impl Law for LocalArea {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        triangles::add(x, &self.triangles, &self.tensions(), force);
+        let tensions = Tensions {
+            local: self.modulus,
+            global: 0.0,
+            pressure: 0.0,
+        };
+        triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        let term = |(&t, &rest): (&[u32; 3], &f64)| (0.5 * twice_area(corners(x, t)).norm() - rest).powi(2) / rest;
-        Some(0.5 * self.modulus * self.triangles.iter().zip(&self.rest).map(term).sum::<f64>())
+        let term = |(t, [rest]): ([u32; 3], [f64; 1])| (0.5 * twice_area(corners(x, t)).norm() - rest).powi(2) / rest;
+        Some(0.5 * self.modulus * self.triangles.iter().map(term).sum::<f64>())
     }
 }
 
@@ -77,7 +75,7 @@ impl Law for LocalArea {
 /// modulus converts like that of [`LocalArea`].
 #[derive(Clone, Debug)]
 pub struct GlobalArea {
-    triangles: Vec<[u32; 3]>,
+    triangles: Elements<3, 0>,
     rest: f64,
     modulus: f64,
 }
@@ -89,7 +87,7 @@ impl GlobalArea {
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
+            triangles: Elements::triangles(mesh, |_| []),
             rest: mesh.area(),
             modulus: positive("the global area modulus", modulus)?,
         })
@@ -108,14 +106,14 @@ impl Law for GlobalArea {
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let tensions = Tensions {
-            local: None,
-            global: self.tension(triangles::measure(x, &self.triangles).0),
+            local: 0.0,
+            global: self.tension(triangles::measure(x, self.triangles.nodes()).0),
             pressure: 0.0,
         };
         triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        Some(0.5 * self.modulus * (surface_area(x, &self.triangles) - self.rest).powi(2) / self.rest)
+        Some(0.5 * self.modulus * (surface_area(x, self.triangles.nodes()) - self.rest).powi(2) / self.rest)
     }
 }

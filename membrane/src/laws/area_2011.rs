@@ -1,5 +1,6 @@
 //! Area forces as the paper's software had them.
 
+use super::elements::Elements;
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
@@ -20,8 +21,7 @@ pub enum Reach {
 /// deformed cell, and has no energy. The paper's calibration needs it nevertheless.
 #[derive(Clone, Debug)]
 pub struct Area2011 {
-    triangles: Vec<[u32; 3]>,
-    rest: Vec<f64>,
+    triangles: Elements<3, 1>,
     rest_total: f64,
     reach: Reach,
     modulus: f64,
@@ -33,10 +33,8 @@ impl Area2011 {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, reach: Reach, modulus: f64) -> Result<Self, MembraneError> {
-        let area = |&t: &[u32; 3]| 0.5 * twice_area(corners(mesh.nodes(), t)).norm();
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
-            rest: mesh.triangles().iter().map(area).collect(),
+            triangles: Elements::areas(mesh),
             rest_total: mesh.area(),
             reach,
             modulus: positive("the area modulus", modulus)?,
@@ -55,9 +53,9 @@ impl Law for Area2011 {
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let whole = match self.reach {
             Reach::Local => 0.0,
-            Reach::Global => self.modulus * (surface_area(x, &self.triangles) / self.rest_total - 1.0),
+            Reach::Global => self.modulus * (surface_area(x, self.triangles.nodes()) / self.rest_total - 1.0),
         };
-        for (&triangle, &rest) in self.triangles.iter().zip(&self.rest) {
+        for (triangle, [rest]) in self.triangles.iter() {
             let p = corners(x, triangle);
             let strength = match self.reach {
                 Reach::Local => self.modulus * (0.5 * twice_area(p).norm() / rest - 1.0),

@@ -44,16 +44,6 @@ pub(super) fn scatter<const N: usize>(forces: &[Vectors; N], elements: &[[u32; N
     }
 }
 
-/// The numbers of at most [`BATCH`] elements, ones behind them.
-#[inline(always)]
-pub(super) fn numbers(of: &[f64]) -> Lanes {
-    let mut out = [1.0; BATCH];
-    for (o, v) in out.iter_mut().zip(of) {
-        *o = *v;
-    }
-    out
-}
-
 /// Sum of the first `n` lanes: eight sums side by side, then those.
 #[inline(always)]
 pub(super) fn sum(of: &Lanes, n: usize) -> f64 {

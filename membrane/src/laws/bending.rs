@@ -1,10 +1,12 @@
 //! Bending from an energy.
 
 use super::Law;
-use super::batch::{BATCH, ZERO, at, atan2, cross, dot, gather, minus, numbers, scatter};
+use super::batch::atan2;
+use super::edges::{self, Fold};
+use super::elements::Elements;
 use super::hinge::{Hinge, nodes};
 use crate::{MembraneError, Mesh, mesh::positive};
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 use std::f64::consts::PI;
 
 /// Bending energy of the angle between neighbouring triangles: E = sum over edges of k/2 (theta - theta0)^2, k in J, with
@@ -14,8 +16,7 @@ use std::f64::consts::PI;
 /// Rev. A 38, 1005, 1988).
 #[derive(Clone, Debug)]
 pub struct Bending {
-    hinges: Vec<[u32; 4]>,
-    rest: Vec<f64>,
+    hinges: Elements<4, 1>,
     modulus: f64,
 }
 
@@ -25,10 +26,8 @@ impl Bending {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
-        let hinges: Vec<_> = mesh.edges().iter().map(nodes).collect();
         Ok(Self {
-            rest: hinges.iter().map(|&h| Hinge::at(mesh.nodes(), h).angle()).collect(),
-            hinges,
+            hinges: Elements::hinges(mesh, |h| [h.angle()]),
             modulus: positive("the bending stiffness of a hinge", modulus)?,
         })
     }
@@ -44,50 +43,19 @@ impl Bending {
         };
         kb * mesh.edges().iter().map(ratio).sum::<f64>() / mesh.edges().len() as f64
     }
+
+    pub(super) fn angles(&self) -> Angles {
+        Angles(self.modulus)
+    }
 }
 
-/// All hinges, some at a time.
-struct Pass<'a, 'f> {
-    law: &'a Bending,
-    x: Soa3Ref<'a>,
-    force: &'a mut Soa3Mut<'f>,
-}
+/// Its moment, by the modulus (J).
+pub(super) struct Angles(pub f64);
 
-impl Work for Pass<'_, '_> {
-    type Out = ();
-
+impl Fold<1> for Angles {
     #[inline(always)]
-    fn run(self) {
-        let modulus = self.law.modulus;
-        let (mut corners, mut forces) = ([ZERO; 4], [ZERO; 4]);
-        for (hinges, rest) in self.law.hinges.chunks(BATCH).zip(self.law.rest.chunks(BATCH)) {
-            gather(self.x, hinges, &mut corners);
-            let rest = numbers(rest);
-            for i in 0..BATCH {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|p| at(&corners[p], i));
-                let (edge, c, d) = (minus(b, a), minus(c, a), minus(d, a));
-                let (first, second) = (cross(edge, c), cross(d, edge));
-                let square = dot(edge, edge);
-                let length = square.sqrt();
-                // first x second = -edge (d . first).
-                let turn = atan2(-length * dot(d, first), dot(first, second));
-                // theta grows as an opposite node goes outwards, by one over its height; where the foot of the height
-                // lies along the edge tells how the edge's nodes share the reaction.
-                let strength = -modulus * ((PI - turn) - rest[i]) * length;
-                let u = strength / dot(first, first);
-                let v = strength / dot(second, second);
-                let per_square = 1.0 / square;
-                let (p, q) = (dot(c, edge) * per_square, dot(d, edge) * per_square);
-                for k in 0..3 {
-                    let (f, g) = (first[k] * u, second[k] * v);
-                    forces[0][k][i] = f * (p - 1.0) + g * (q - 1.0);
-                    forces[1][k][i] = -f * p - g * q;
-                    forces[2][k][i] = f;
-                    forces[3][k][i] = g;
-                }
-            }
-            scatter(&forces, hinges, self.force);
-        }
+    fn moment(&self, sin: f64, cos: f64, [rest]: [f64; 1]) -> f64 {
+        -self.0 * ((PI - atan2(sin, cos)) - rest)
     }
 }
 
@@ -97,11 +65,11 @@ impl Law for Bending {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        on_widest(Pass { law: self, x, force });
+        edges::fold(&self.hinges, x, force, &self.angles());
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        let hinge = |(&hinge, &rest): (&[u32; 4], &f64)| (Hinge::at(x, hinge).angle() - rest).powi(2);
-        Some(0.5 * self.modulus * self.hinges.iter().zip(&self.rest).map(hinge).sum::<f64>())
+        let hinge = |(hinge, [rest]): ([u32; 4], [f64; 1])| (Hinge::at(x, hinge).angle() - rest).powi(2);
+        Some(0.5 * self.modulus * self.hinges.iter().map(hinge).sum::<f64>())
     }
 }

@@ -1,7 +1,8 @@
 //! Bending as the paper's software had it.
 
 use super::Law;
-use super::hinge::{Hinge, nodes};
+use super::elements::Elements;
+use super::hinge::Hinge;
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 
@@ -12,8 +13,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 /// Keeps force, but not torque (the edge takes equal halves wherever the opposite nodes sit), and has no energy.
 #[derive(Clone, Debug)]
 pub struct Bending2011 {
-    hinges: Vec<[u32; 4]>,
-    rest: Vec<f64>,
+    hinges: Elements<4, 1>,
     modulus: f64,
 }
 
@@ -23,10 +23,8 @@ impl Bending2011 {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
-        let hinges: Vec<_> = mesh.edges().iter().map(nodes).collect();
         Ok(Self {
-            rest: hinges.iter().map(|&h| Hinge::at(mesh.nodes(), h).angle()).collect(),
-            hinges,
+            hinges: Elements::hinges(mesh, |h| [h.angle()]),
             modulus: positive("the bending modulus", modulus)?,
         })
     }
@@ -38,7 +36,7 @@ impl Law for Bending2011 {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for (&hinge, &rest) in self.hinges.iter().zip(&self.rest) {
+        for (hinge, [rest]) in self.hinges.iter() {
             let h = Hinge::at(x, hinge);
             let strength = -self.modulus * (h.angle() / rest - 1.0);
             let [a, b, c, d] = [

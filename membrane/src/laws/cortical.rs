@@ -1,6 +1,7 @@
 //! Cortical tension.
 
 use super::Law;
+use super::elements::Elements;
 use super::triangles::{self, Tensions};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
@@ -15,7 +16,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, surface_area};
 /// with a local area.
 #[derive(Clone, Debug)]
 pub struct CorticalTension {
-    triangles: Vec<[u32; 3]>,
+    triangles: Elements<3, 0>,
     tension: f64,
 }
 
@@ -26,7 +27,7 @@ impl CorticalTension {
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, tension: f64) -> Result<Self, MembraneError> {
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
+            triangles: Elements::triangles(mesh, |_| []),
             tension: positive("the cortical tension", tension)?,
         })
     }
@@ -39,7 +40,7 @@ impl Law for CorticalTension {
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let tensions = Tensions {
-            local: None,
+            local: 0.0,
             global: self.tension,
             pressure: 0.0,
         };
@@ -47,6 +48,6 @@ impl Law for CorticalTension {
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        Some(self.tension * surface_area(x, &self.triangles))
+        Some(self.tension * surface_area(x, self.triangles.nodes()))
     }
 }

@@ -5,6 +5,7 @@ use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Bending of Helfrich (Z. Naturforsch. C 28, 693, 1973) on the nodes of a mesh after Juelicher (J. Phys. II France 6,
 /// 1797, 1996): E = kappa/2 sum over nodes of A (2 M/A - c0)^2, kappa in J.
@@ -23,8 +24,8 @@ use std::f64::consts::PI;
 /// unlike hinges with rest angles, this law does not remember a shape.
 #[derive(Clone, Debug)]
 pub struct Helfrich {
-    hinges: Vec<[u32; 4]>,
-    triangles: Vec<[u32; 3]>,
+    hinges: Arc<[[u32; 4]]>,
+    triangles: Arc<[[u32; 3]]>,
     kappa: f64,
     spontaneous: f64,
     difference: Option<Difference>,
@@ -51,7 +52,7 @@ impl Helfrich {
         let n = mesh.nodes().len();
         Ok(Self {
             hinges: mesh.edges().iter().map(nodes).collect(),
-            triangles: mesh.triangles().to_vec(),
+            triangles: mesh.shared_triangles(),
             kappa: positive("the bending stiffness", kappa)?,
             spontaneous: 0.0,
             difference: None,
@@ -96,13 +97,13 @@ impl Helfrich {
     fn measure(&self, x: Soa3Ref<'_>, curvature: &mut [f64], area: &mut [f64]) {
         curvature.fill(0.0);
         area.fill(0.0);
-        for &h in &self.hinges {
+        for &h in &*self.hinges {
             let hinge = Hinge::at(x, h);
             let share = 0.25 * hinge.edge.norm() * (PI - hinge.angle());
             curvature[h[0] as usize] += share;
             curvature[h[1] as usize] += share;
         }
-        for &t in &self.triangles {
+        for &t in &*self.triangles {
             let share = twice_area(corners(x, t)).norm() / 6.0;
             for node in t {
                 area[node as usize] += share;
@@ -151,7 +152,7 @@ impl Law for Helfrich {
             *m = 2.0 * self.kappa * (twice - self.spontaneous) + global;
             *a = 0.5 * self.kappa * (self.spontaneous * self.spontaneous - twice * twice);
         }
-        for &h in &self.hinges {
+        for &h in &*self.hinges {
             let hinge = Hinge::at(x, h);
             let (a, b) = (h[0] as usize, h[1] as usize);
             let weight = 0.25 * (curvature[a] + curvature[b]);
@@ -161,7 +162,7 @@ impl Law for Helfrich {
             force.add(b, -pull);
             hinge.add_moment(x, h, weight * length, force);
         }
-        for &t in &self.triangles {
+        for &t in &*self.triangles {
             let tension = (area[t[0] as usize] + area[t[1] as usize] + area[t[2] as usize]) / 3.0;
             add_tension(x, t, tension, force);
         }

@@ -1,7 +1,9 @@
 //! Bending by the cosine of the angle between triangles.
 
 use super::Law;
-use super::hinge::{Hinge, nodes};
+use super::edges::{self, Fold};
+use super::elements::Elements;
+use super::hinge::Hinge;
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 
@@ -15,9 +17,8 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 /// [`Helfrich`](super::Helfrich) has one stiffness for both.
 #[derive(Clone, Debug)]
 pub struct KantorNelson {
-    hinges: Vec<[u32; 4]>,
-    /// Sine and cosine of phi0.
-    rest: Vec<[f64; 2]>,
+    /// With sine and cosine of phi0.
+    hinges: Elements<4, 2>,
     modulus: f64,
 }
 
@@ -27,14 +28,12 @@ impl KantorNelson {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
-        let hinges: Vec<_> = mesh.edges().iter().map(nodes).collect();
-        let turn = |&h: &[u32; 4]| {
-            let (sin, cos) = Hinge::at(mesh.nodes(), h).turn();
+        let turn = |h: &Hinge| {
+            let (sin, cos) = h.turn();
             [sin, cos]
         };
         Ok(Self {
-            rest: hinges.iter().map(turn).collect(),
-            hinges,
+            hinges: Elements::hinges(mesh, turn),
             modulus: positive("the bending stiffness of a hinge", modulus)?,
         })
     }
@@ -42,7 +41,7 @@ impl KantorNelson {
     /// The same with flat hinges at rest (phi0 = 0), as in the first paper.
     #[must_use]
     pub fn flat(mut self) -> Self {
-        self.rest.fill([0.0, 1.0]);
+        self.hinges = self.hinges.at_rest(|_| [0.0, 1.0]);
         self
     }
 
@@ -52,27 +51,33 @@ impl KantorNelson {
     }
 }
 
+/// Its moment, by the modulus (J).
+struct Cosines(f64);
+
+impl Fold<2> for Cosines {
+    #[inline(always)]
+    fn moment(&self, sin: f64, cos: f64, [sin0, cos0]: [f64; 2]) -> f64 {
+        // phi is pi less the angle inside, so the moment on that angle is +dE/dphi.
+        self.0 * (sin * cos0 - cos * sin0) / (sin * sin + cos * cos).sqrt()
+    }
+}
+
 impl Law for KantorNelson {
     fn name(&self) -> &str {
         "Kantor-Nelson bending"
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for (&hinge, &[sin0, cos0]) in self.hinges.iter().zip(&self.rest) {
-            let h = Hinge::at(x, hinge);
-            let (sin, cos) = h.turn();
-            // phi is pi less the angle inside, so the moment on that angle is +dE/dphi.
-            h.add_moment(x, hinge, self.modulus * (sin * cos0 - cos * sin0), force);
-        }
+        edges::fold(&self.hinges, x, force, &Cosines(self.modulus));
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        let hinge = |(&hinge, &[sin0, cos0]): (&[u32; 4], &[f64; 2])| {
+        let hinge = |(hinge, [sin0, cos0]): ([u32; 4], [f64; 2])| {
             let (sin, cos) = Hinge::at(x, hinge).turn();
             // 1 - cos(d) as 2 sin(d/2)^2, which keeps its digits for small d.
             let (s, c) = (sin * cos0 - cos * sin0, cos * cos0 + sin * sin0);
             2.0 * (0.5 * s.atan2(c)).sin().powi(2)
         };
-        Some(self.modulus * self.hinges.iter().zip(&self.rest).map(hinge).sum::<f64>())
+        Some(self.modulus * self.hinges.iter().map(hinge).sum::<f64>())
     }
 }

@@ -1,8 +1,10 @@
 //! Membrane viscosity that an explicit step bears.
 
 use super::Law;
+use super::elements::length;
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
+use std::sync::Arc;
 
 /// Viscosity within the membrane by a spring and a dashpot in line along each edge (Maxwell): beside an elastic
 /// membrane of shear modulus G this is the standard linear solid, with which Li and Zhang (Int. J. Numer. Meth.
@@ -19,7 +21,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, StateError, StateReader, StateWriter};
 /// on.
 #[derive(Clone, Debug)]
 pub struct Maxwell {
-    ends: Vec<[u32; 2]>,
+    ends: Arc<[[u32; 2]]>,
     /// Lengths when it was last moved on, m.
     last: Vec<f64>,
     /// Stretch of the springs then, m.
@@ -38,7 +40,7 @@ impl Maxwell {
         positive("the shear viscosity of a membrane", viscosity)?;
         positive("the shear modulus of the springs of a viscous membrane", spring)?;
         let x = mesh.nodes();
-        let ends: Vec<_> = mesh.edges().iter().map(|e| e.nodes).collect();
+        let ends: Arc<[_]> = mesh.edges().iter().map(|e| e.nodes).collect();
         let last: Vec<f64> = ends.iter().map(|&e| length(x, e)).collect();
         let squares: f64 = last.iter().map(|l| l * l).sum();
         Ok(Self {
@@ -53,11 +55,6 @@ impl Maxwell {
 }
 
 /// Length of an edge, m.
-#[inline]
-fn length(x: Soa3Ref<'_>, [a, b]: [u32; 2]) -> f64 {
-    (x.get(b as usize) - x.get(a as usize)).norm()
-}
-
 impl Law for Maxwell {
     fn name(&self) -> &str {
         "Maxwell viscosity"

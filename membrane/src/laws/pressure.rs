@@ -3,6 +3,7 @@
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
+use std::sync::Arc;
 
 /// Constant pressure p (Pa) inside the cell: E = -p (V - V0), a third of p S n on each node of each triangle of area S
 /// and outward normal n. On a closed mesh F = -dE/dx; keeps force and torque.
@@ -11,7 +12,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
 /// (Laplace), so that a [`Volume`](super::Volume) law stays at its rest volume.
 #[derive(Clone, Debug)]
 pub struct Pressure {
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<[[u32; 3]]>,
     rest: f64,
     pressure: f64,
 }
@@ -23,7 +24,7 @@ impl Pressure {
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, pressure: f64) -> Result<Self, MembraneError> {
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
+            triangles: mesh.shared_triangles(),
             rest: mesh.volume(),
             pressure: positive("the pressure inside a cell", pressure)?,
         })
@@ -36,7 +37,7 @@ impl Law for Pressure {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for &triangle in &self.triangles {
+        for &triangle in &*self.triangles {
             let f = twice_area(corners(x, triangle)) * (self.pressure / 6.0);
             for node in triangle {
                 force.add(node as usize, f);

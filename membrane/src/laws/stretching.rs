@@ -1,9 +1,10 @@
 //! Neo-Hookean springs along the edges.
 
 use super::Law;
-use super::batch::{BATCH, ZERO, at, dot, gather, minus, numbers, scatter};
+use super::edges;
+use super::elements::{Elements, length};
 use crate::{MembraneError, Mesh, mesh::positive};
-use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
+use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 
 /// Nodes and weights of Gauss-Legendre quadrature of five points on [-1, 1].
 const GAUSS: [(f64, f64); 5] = [
@@ -22,8 +23,7 @@ const PANELS: usize = 8;
 /// Keeps force and torque. Energy: the sum over edges of ks L0 times the integral of kappa(l) (l - 1) from 1 to l.
 #[derive(Clone, Debug)]
 pub struct Stretching {
-    ends: Vec<[u32; 2]>,
-    rest: Vec<f64>,
+    springs: Elements<2, 1>,
     modulus: f64,
 }
 
@@ -33,15 +33,23 @@ impl Stretching {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
-        let x = mesh.nodes();
-        let length = |[a, b]: [u32; 2]| (x.get(b as usize) - x.get(a as usize)).norm();
-        let ends: Vec<_> = mesh.edges().iter().map(|e| e.nodes).collect();
         Ok(Self {
-            rest: ends.iter().map(|&e| length(e)).collect(),
-            ends,
+            springs: Elements::springs(mesh),
             modulus: positive("the stretching modulus", modulus)?,
         })
     }
+
+    pub(super) fn modulus(&self) -> f64 {
+        self.modulus
+    }
+}
+
+/// Tension (N) of a spring over its length (m), by that and its length at rest.
+#[inline(always)]
+pub(super) fn tension_per_length(modulus: f64, length: f64, rest: f64) -> f64 {
+    let l = length / rest;
+    let cube = l * l * l;
+    modulus * l.sqrt() * (1.0 + cube) * (l - 1.0) / ((1.0 + cube * l) * length)
 }
 
 /// kappa(l) = (l^0.5 + l^-2.5)/(l + l^-3), its fraction cleared.
@@ -51,51 +59,20 @@ fn kappa(l: f64) -> f64 {
     l.sqrt() * (1.0 + cube) / (1.0 + cube * l)
 }
 
-/// All springs, some at a time.
-struct Pass<'a, 'f> {
-    law: &'a Stretching,
-    x: Soa3Ref<'a>,
-    force: &'a mut Soa3Mut<'f>,
-}
-
-impl Work for Pass<'_, '_> {
-    type Out = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let modulus = self.law.modulus;
-        let (mut ends, mut forces) = ([ZERO; 2], [ZERO; 2]);
-        for (springs, rest) in self.law.ends.chunks(BATCH).zip(self.law.rest.chunks(BATCH)) {
-            gather(self.x, springs, &mut ends);
-            let rest = numbers(rest);
-            for i in 0..BATCH {
-                let d = minus(at(&ends[1], i), at(&ends[0], i));
-                let length = dot(d, d).sqrt();
-                let l = length / rest[i];
-                let cube = l * l * l;
-                let f = modulus * l.sqrt() * (1.0 + cube) * (l - 1.0) / ((1.0 + cube * l) * length);
-                for a in 0..3 {
-                    forces[0][a][i] = d[a] * f;
-                    forces[1][a][i] = -(d[a] * f);
-                }
-            }
-            scatter(&forces, springs, self.force);
-        }
-    }
-}
-
 impl Law for Stretching {
     fn name(&self) -> &str {
         "stretching"
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        on_widest(Pass { law: self, x, force });
+        let modulus = self.modulus;
+        let pull = |length: f64, rest: f64| tension_per_length(modulus, length, rest);
+        edges::pull(&self.springs, x, force, pull);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        let spring = |(&[a, b], &rest): (&[u32; 2], &f64)| {
-            let l = (x.get(b as usize) - x.get(a as usize)).norm() / rest;
+        let spring = |(ends, [rest]): ([u32; 2], [f64; 1])| {
+            let l = length(x, ends) / rest;
             let half = 0.5 * (l - 1.0) / PANELS as f64;
             let panel = |k: usize| {
                 let middle = 1.0 + half * (2 * k + 1) as f64;
@@ -107,7 +84,7 @@ impl Law for Stretching {
             };
             self.modulus * rest * (0..PANELS).map(panel).sum::<f64>()
         };
-        Some(self.ends.iter().zip(&self.rest).map(spring).sum())
+        Some(self.springs.iter().map(spring).sum())
     }
 }
 

@@ -1,20 +1,26 @@
 //! One pass over all triangles: tensions along them and a pressure across them.
 
-use super::batch::{BATCH, ZERO, at, cross, dot, gather, minus, numbers, scatter, sum};
+use super::batch::{BATCH, ZERO, at, cross, dot, gather, minus, scatter, sum};
+use super::elements::{Elements, numbers};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
 
 /// What each triangle does to its nodes.
-pub(super) struct Tensions<'a> {
-    /// A modulus (N/m) and the triangles' areas at rest (m2): the tension grows with the triangle's own strain.
-    pub local: Option<(f64, &'a [f64])>,
+pub(super) struct Tensions {
+    /// A modulus (N/m): the tension grows with the triangle's own strain. Without areas at rest it means nothing.
+    pub local: f64,
     /// The same tension in all, N/m.
     pub global: f64,
     /// Pressure outwards, Pa.
     pub pressure: f64,
 }
 
-/// Adds the forces (N) of `tensions` on nodes at `x` (m).
-pub(super) fn add(x: Soa3Ref<'_>, triangles: &[[u32; 3]], tensions: &Tensions<'_>, force: &mut Soa3Mut<'_>) {
+/// Adds the forces (N) of `tensions` on nodes at `x` (m); triangles come with their areas at rest (m2) or with nothing.
+pub(super) fn add<const K: usize>(
+    x: Soa3Ref<'_>,
+    triangles: &Elements<3, K>,
+    tensions: &Tensions,
+    force: &mut Soa3Mut<'_>,
+) {
     on_widest(Pass {
         x,
         triangles,
@@ -28,14 +34,14 @@ pub(super) fn measure(x: Soa3Ref<'_>, triangles: &[[u32; 3]]) -> (f64, f64) {
     on_widest(Measure { x, triangles })
 }
 
-struct Pass<'a, 'f> {
+struct Pass<'a, 'f, const K: usize> {
     x: Soa3Ref<'a>,
-    triangles: &'a [[u32; 3]],
-    tensions: &'a Tensions<'a>,
+    triangles: &'a Elements<3, K>,
+    tensions: &'a Tensions,
     force: &'a mut Soa3Mut<'f>,
 }
 
-impl Work for Pass<'_, '_> {
+impl<const K: usize> Work for Pass<'_, '_, K> {
     type Out = ();
 
     #[inline(always)]
@@ -46,17 +52,15 @@ impl Work for Pass<'_, '_> {
             pressure,
         } = *self.tensions;
         let (mut corners, mut forces) = ([ZERO; 3], [ZERO; 3]);
-        for (n, triangles) in self.triangles.chunks(BATCH).enumerate() {
+        for (triangles, rest) in self.triangles.batches() {
             gather(self.x, triangles, &mut corners);
-            let (modulus, rest) = match local {
-                Some((modulus, rest)) => (modulus, numbers(&rest[n * BATCH..])),
-                None => (0.0, [1.0; BATCH]),
-            };
+            let rest = numbers(rest);
             for i in 0..BATCH {
                 let [a, b, c] = [0, 1, 2].map(|p| at(&corners[p], i));
                 let normal = cross(minus(b, a), minus(c, a));
                 let size = dot(normal, normal).sqrt();
-                let tension = global + modulus * (0.5 * size / rest[i] - 1.0);
+                let own = rest.first().map_or(0.0, |rest| local * (0.5 * size / rest[i] - 1.0));
+                let tension = global + own;
                 // The gradient of the area with respect to a node is n x (edge opposite to it)/2.
                 // A triangle without an area has no plane to be tense in.
                 let half = if size > 0.0 { 0.5 * tension / size } else { 0.0 };

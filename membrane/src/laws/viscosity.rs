@@ -3,6 +3,7 @@
 use super::{Law, corners, twice_area};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
+use std::sync::Arc;
 
 /// Viscosity within the membrane, beside the elastic laws (Kelvin and Voigt): the tensions
 /// 2 eta (D - tr(D)/2 I) + zeta tr(D) I in the plane of each triangle, D its rate of strain, eta the shear and zeta the
@@ -17,7 +18,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 /// rho h^2/dt (a fluid of density rho on a grid of spacing h): far below a red blood cell's.
 #[derive(Clone, Debug)]
 pub struct Viscosity {
-    triangles: Vec<[u32; 3]>,
+    triangles: Arc<[[u32; 3]]>,
     shear: f64,
     dilatational: f64,
 }
@@ -29,7 +30,7 @@ impl Viscosity {
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, shear: f64) -> Result<Self, MembraneError> {
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
+            triangles: mesh.shared_triangles(),
             shear: positive("the shear viscosity of a membrane", shear)?,
             dilatational: 0.0,
         })
@@ -51,7 +52,7 @@ impl Law for Viscosity {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        for &triangle in &self.triangles {
+        for &triangle in &*self.triangles {
             let [a, b, c] = corners(x, triangle);
             let [va, vb, vc] = corners(v, triangle);
             let (e, f) = (b - a, c - a);

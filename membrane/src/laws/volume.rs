@@ -1,6 +1,7 @@
 //! Volume elasticity.
 
 use super::Law;
+use super::elements::Elements;
 use super::triangles::{self, Tensions};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
@@ -11,7 +12,7 @@ use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, enclosed_volume};
 /// On a closed mesh that is exactly the gradient of E = kv/2 (V - V0)^2/V0, so it keeps force and torque.
 #[derive(Clone, Debug)]
 pub struct Volume {
-    triangles: Vec<[u32; 3]>,
+    triangles: Elements<3, 0>,
     rest: f64,
     modulus: f64,
 }
@@ -23,7 +24,7 @@ impl Volume {
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, modulus: f64) -> Result<Self, MembraneError> {
         Ok(Self {
-            triangles: mesh.triangles().to_vec(),
+            triangles: Elements::triangles(mesh, |_| []),
             rest: mesh.volume(),
             modulus: positive("the volume modulus", modulus)?,
         })
@@ -42,14 +43,14 @@ impl Law for Volume {
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let tensions = Tensions {
-            local: None,
+            local: 0.0,
             global: 0.0,
-            pressure: self.pressure(triangles::measure(x, &self.triangles).1),
+            pressure: self.pressure(triangles::measure(x, self.triangles.nodes()).1),
         };
         triangles::add(x, &self.triangles, &tensions, force);
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
-        Some(0.5 * self.modulus * (enclosed_volume(x, &self.triangles) - self.rest).powi(2) / self.rest)
+        Some(0.5 * self.modulus * (enclosed_volume(x, self.triangles.nodes()) - self.rest).powi(2) / self.rest)
     }
 }

@@ -1,6 +1,7 @@
 //! Worm-like chains along the edges.
 
-use super::Law;
+use super::elements::{Elements, length};
+use super::{Law, edges};
 use crate::{MembraneError, Mesh, mesh::positive};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
 
@@ -20,8 +21,7 @@ const POWER: i32 = 2;
 /// F = -dE/dx; keeps force and torque. From the contour length on the force is infinite, which ends a run.
 #[derive(Clone, Debug)]
 pub struct WormLikeChain {
-    ends: Vec<[u32; 2]>,
-    rest: Vec<f64>,
+    springs: Elements<2, 1>,
     stiffness: f64,
     extension: f64,
 }
@@ -32,12 +32,8 @@ impl WormLikeChain {
     /// # Errors
     /// [`MembraneError::NotPositive`].
     pub fn new(mesh: &Mesh, shear: f64) -> Result<Self, MembraneError> {
-        let x = mesh.nodes();
-        let length = |[a, b]: [u32; 2]| (x.get(b as usize) - x.get(a as usize)).norm();
-        let ends: Vec<_> = mesh.edges().iter().map(|e| e.nodes).collect();
         Ok(Self {
-            rest: ends.iter().map(|&e| length(e)).collect(),
-            ends,
+            springs: Elements::springs(mesh),
             stiffness: 4.0 * positive("the shear modulus", shear)? / 3.0_f64.sqrt(),
             extension: EXTENSION,
         })
@@ -71,7 +67,7 @@ impl WormLikeChain {
 }
 
 /// Pull of a chain over a: 1/(4 (1 - u)^2) - 1/4 + u; infinite from u = 1 on.
-#[inline]
+#[inline(always)]
 fn chain(u: f64) -> f64 {
     let free = (1.0 - u).max(0.0);
     0.25 / (free * free) - 0.25 + u
@@ -84,15 +80,11 @@ impl Law for WormLikeChain {
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let (scale, g) = self.scale();
-        for (&[a, b], &rest) in self.ends.iter().zip(&self.rest) {
-            let (a, b) = (a as usize, b as usize);
-            let d = x.get(b) - x.get(a);
-            let length = d.norm();
+        let extension = self.extension;
+        edges::pull(&self.springs, x, force, |length, rest| {
             let l = length / rest;
-            let f = d * (scale * rest * (chain(self.extension * l) - g / (l * l)) / length);
-            force.add(a, f);
-            force.add(b, -f);
-        }
+            scale * rest * (chain(extension * l) - g / (l * l)) / length
+        });
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {
@@ -104,10 +96,10 @@ impl Law for WormLikeChain {
             let free = (1.0 - u).max(0.0);
             (u * u * (3.0 - 2.0 * u) / (4.0 * free)) / u0 + g / l
         };
-        let spring = |(&[a, b], &rest): (&[u32; 2], &f64)| {
-            let l = (x.get(b as usize) - x.get(a as usize)).norm() / rest;
+        let spring = |(ends, [rest]): ([u32; 2], [f64; 1])| {
+            let l = length(x, ends) / rest;
             scale * rest * rest * (well(l) - well(1.0))
         };
-        Some(self.ends.iter().zip(&self.rest).map(spring).sum())
+        Some(self.springs.iter().map(spring).sum())
     }
 }

@@ -39,7 +39,7 @@ impl Quality {
             .collect();
         let mut areas = Vec::with_capacity(mesh.triangles.len());
         let mut least_angle = f64::INFINITY;
-        for &abc in &mesh.triangles {
+        for &abc in mesh.triangles() {
             let [a, b, c] = abc.map(x);
             areas.push(0.5 * (b - a).cross(&(c - a)).norm());
             for (p, q, r) in [(a, b, c), (b, c, a), (c, a, b)] {

@@ -1,6 +1,6 @@
 use super::super::neo_hookean::Rubber;
 use super::super::skalak::Stiffening;
-use super::{StrainEnergy, Triangles};
+use super::{Elements, StrainEnergy, Triangles, at_rest, corners};
 use lbm_ibm_coupling::{Soa3, Vec3};
 
 /// Cells along an edge of the patch.
@@ -33,7 +33,9 @@ fn patch() -> (Soa3, Vec<[u32; 3]>) {
 /// inner node.
 fn tensions(l: [f64; 2], law: &impl StrainEnergy) -> ([f64; 2], f64) {
     let (rest, triangles) = patch();
-    let triangles = Triangles::new(rest.view(), &triangles);
+    let triangles = Triangles {
+        elements: Elements::new(triangles.into(), |t| at_rest(corners(rest.view(), t))),
+    };
     let turn = lbm_ibm_coupling::nalgebra::Rotation3::new(Vec3::new(0.3, -1.1, 0.7));
     let x: Soa3 = rest
         .iter()
