@@ -55,7 +55,7 @@ const EXPLICIT: Elasticity = Elasticity::Explicit;
 const IMPLICIT: Elasticity = Elasticity::IMPLICIT;
 
 const CURVES: &[Curve] = &[
-    ("Roma, 642 nodes, tau 3, step 4e-3", &[4.0, 6.0, 8.0], base),
+    ("Roma, 642 nodes, step 4e-3", &[4.0, 6.0, 8.0], base),
     ("2 points", &[4.0, 6.0], |r| with_kernel(Kernel::TwoPoint, r)),
     ("4 points, Peskin", &[4.0, 6.0], |r| with_kernel(Kernel::PeskinFour, r)),
     ("6 points", &[4.0, 6.0], |r| with_kernel(Kernel::SixPoint, r)),
