@@ -25,8 +25,8 @@ const fn pace(tau: f64, scale: f64) -> Pace {
     Pace { tau, scale }
 }
 
-/// The pace of the study, half and twice its scaling, from which the transit without scaling follows.
-const PACES: [Pace; 3] = [pace(1.0, 60.0), pace(1.0, 30.0), pace(1.0, 120.0)];
+/// A run: pace and spacing (um).
+type Point = (Pace, f64);
 
 /// A cell at a gap, and the spacings of its curves.
 struct Case {
@@ -36,10 +36,15 @@ struct Case {
     gap: f64,
     /// Spacings (um) of each pace.
     curves: &'static [(Pace, &'static [f64])],
-    /// Spacing (um) at which all of [`PACES`] are there, and the two finest ones of the last of these.
-    common: f64,
-    finest: [f64; 2],
+    /// Two points at one spacing: what the scaling of the Reynolds number does.
+    scalings: [Point; 2],
+    /// A coarse and a fine point: what the spacing does.
+    spacings: [Point; 2],
 }
+
+/// Spacings of two thirds and four thirds of a micrometre.
+const TWO_THIRDS: f64 = 2.0 / 3.0;
+const FOUR_THIRDS: f64 = 4.0 / 3.0;
 
 const CASES: &[Case] = &[
     Case {
@@ -47,30 +52,29 @@ const CASES: &[Case] = &[
         name: "red cell",
         gap: 4.0,
         curves: &[
-            (PACES[0], &[2.0 / 3.0, 0.5, 0.4]),
-            (PACES[1], &[0.8, 2.0 / 3.0, 0.5]),
-            (PACES[2], &[0.5, 0.4, 1.0 / 3.0]),
-            (pace(1.0, 15.0), &[1.0, 0.8, 2.0 / 3.0]),
-            (pace(0.75, 60.0), &[0.8, 2.0 / 3.0, 0.5]),
-            (pace(2.0, 30.0), &[2.0 / 3.0, 0.5, 0.4]),
+            (pace(1.0, 15.0), &[1.0, 0.8]),
+            (pace(1.0, 30.0), &[TWO_THIRDS]),
+            (pace(1.0, 60.0), &[0.5]),
+            (pace(1.0, 120.0), &[0.5, 0.4]),
+            (pace(0.75, 60.0), &[0.8, TWO_THIRDS]),
+            (pace(1.5, 10.0), &[TWO_THIRDS]),
         ],
-        common: 0.5,
-        finest: [0.4, 1.0 / 3.0],
+        scalings: [(pace(1.0, 60.0), 0.5), (pace(1.0, 120.0), 0.5)],
+        spacings: [(pace(1.0, 30.0), TWO_THIRDS), (pace(1.0, 120.0), 0.4)],
     },
     Case {
         subject: Subject::Ctc,
         name: "tumour cell",
         gap: 12.0,
         curves: &[
-            (PACES[0], &[4.0 / 3.0, 1.0, 0.8]),
-            (PACES[1], &[2.0, 4.0 / 3.0, 1.0]),
-            (PACES[2], &[1.0, 0.8, 2.0 / 3.0]),
-            (pace(1.0, 15.0), &[2.0, 4.0 / 3.0]),
-            (pace(0.75, 60.0), &[4.0 / 3.0, 1.0]),
-            (pace(2.0, 30.0), &[4.0 / 3.0, 1.0, 0.8]),
+            (pace(1.0, 15.0), &[2.0, FOUR_THIRDS]),
+            (pace(1.0, 30.0), &[FOUR_THIRDS]),
+            (pace(1.0, 60.0), &[1.0, 0.8]),
+            (pace(0.75, 60.0), &[FOUR_THIRDS]),
+            (pace(1.5, 10.0), &[FOUR_THIRDS]),
         ],
-        common: 1.0,
-        finest: [0.8, 2.0 / 3.0],
+        scalings: [(pace(1.0, 15.0), FOUR_THIRDS), (pace(1.0, 30.0), FOUR_THIRDS)],
+        spacings: [(pace(1.0, 30.0), FOUR_THIRDS), (pace(1.0, 60.0), 0.8)],
     },
 ];
 
@@ -153,7 +157,7 @@ fn transits(quick: bool) -> Result<Vec<Row>, Fault> {
     let mut jobs = Vec::new();
     for (case, of) in CASES.iter().enumerate() {
         for &(pace, spacings) in of.curves {
-            let spacings = spacings.iter().filter(|h| !quick || **h >= 1.6 * of.common);
+            let spacings = spacings.iter().filter(|h| !quick || of.gap / **h < 6.5);
             jobs.extend(spacings.map(|&spacing| Job { case, pace, spacing }));
         }
     }
@@ -212,25 +216,23 @@ fn transits(quick: bool) -> Result<Vec<Row>, Fault> {
     Ok(rows.collect())
 }
 
-/// The transit time (s) on an infinitely fine grid without scaling of the Reynolds number: the two finest runs extrapolated
-/// by the first order, and what halving the scaling does at a coarser one taken off to zero. In a quick run the finest run.
+/// The transit time (s) on an infinitely fine grid without scaling of the Reynolds number, each effect taken to be of the first
+/// order: that of the scaling from two runs on one grid, then that of the spacing from the finest run and one of some 1.7 times its
+/// spacing, both freed of the scaling. In a quick run the finest one.
 fn limit(case: usize, passed: &[(&Job, Passed)], quick: bool) -> f64 {
     let of = &CASES[case];
-    let transit = |pace: Pace, spacing: f64| {
-        let found = passed
-            .iter()
-            .find(|(j, _)| j.case == case && j.pace == pace && j.spacing == spacing);
+    let runs = || passed.iter().filter(|(j, _)| j.case == case);
+    if quick {
+        let finest = runs().min_by(|a, b| a.0.spacing.total_cmp(&b.0.spacing));
+        return finest.map_or(f64::NAN, |(_, run)| run.transit);
+    }
+    let transit = |(pace, spacing): Point| {
+        let found = runs().find(|(j, _)| j.pace == pace && j.spacing == spacing);
         found.map_or(f64::NAN, |(_, run)| run.transit)
     };
-    if quick {
-        let of = passed.iter().filter(|(j, _)| j.case == case);
-        return of
-            .min_by(|a, b| a.0.spacing.total_cmp(&b.0.spacing))
-            .map_or(f64::NAN, |(_, run)| run.transit);
-    }
-    let [coarse, fine] = of.finest;
-    let [study, half, twice] = PACES.map(|pace| transit(pace, of.common));
-    let at_twice =
-        transit(PACES[2], fine) + (transit(PACES[2], fine) - transit(PACES[2], coarse)) * fine / (coarse - fine);
-    at_twice + (2.0 * half - study) - twice
+    let [low, high] = of.scalings;
+    let per_scale = (transit(high) - transit(low)) / (high.0.scale - low.0.scale);
+    let [coarse, fine] = of.spacings.map(|at| transit(at) - per_scale * at.0.scale);
+    let [wide, narrow] = of.spacings.map(|(_, spacing)| spacing);
+    fine + (fine - coarse) * narrow / (wide - narrow)
 }

@@ -92,7 +92,9 @@ pub const SPHERE_DRAG: Chart = Chart {
     title: "Drag on a rigid sphere of markers, an eighth of the volume",
     cost: "cost until the flow is settled, s",
     error: "relative error of the drag, rms along the way",
-    advice: "",
+    advice: "Markers as deep as the kernel asks (the default): on the surface they make the drag 16 to 200 % too large here. Then three \
+              points (Roma), 0.4 to 0.7 % from 3 spacings of radius on and 0.1 % at 8. One iteration in a step is as good as ten for a \
+              body that moves a hundredth of a spacing in it.",
     cases: drags,
 };
 
