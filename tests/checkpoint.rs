@@ -266,6 +266,11 @@ fn an_interrupted_save_leaves_the_one_before() -> Result<(), Box<dyn Error>> {
     assert!(again.steps() == 6 && !beside.exists());
     let missing = read_checkpoint(&mut again, &folder.join("none"));
     assert!(matches!(missing, Err(CheckpointError::Read { .. })));
+    let mut cut = std::fs::read(&path)?;
+    cut.truncate(cut.len() / 2);
+    std::fs::write(&path, cut)?;
+    let half = read_checkpoint(&mut again, &path);
+    assert!(matches!(half, Err(CheckpointError::Read { .. })) && again.steps() == 6);
     std::fs::remove_dir_all(&folder)?;
     Ok(())
 }

@@ -1,6 +1,9 @@
-//! Bytes of a saved state: little-endian numbers, one after the other.
+//! Bytes of a saved state: what is written to it, one after the other, in the format of postcard.
 
 use crate::{Soa3, Soa3Ref, Vec3};
+use serde::ser::SerializeTuple;
+use serde::{Deserialize, Serialize, Serializer};
+use twox_hash::XxHash64;
 
 /// Why a saved state cannot be made or taken.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -54,6 +57,24 @@ pub enum StateError {
         /// Whether they are missing; else they are left.
         short: bool,
     },
+    /// A part of the state is not what the part of the scene that takes it wrote.
+    #[error(
+        "{what}: its saved state cannot be read {bytes} bytes before its end: {why}; build the scene as the saved one was built"
+    )]
+    Unreadable {
+        /// Which part.
+        what: String,
+        /// Bytes from where it fails to the end.
+        bytes: usize,
+        /// Why not.
+        why: String,
+    },
+    /// A value has no place in the format.
+    #[error("a value of the state cannot be written: {why}; give sequences and maps their length")]
+    Unwritable {
+        /// Why not.
+        why: String,
+    },
     /// A part of the scene cannot tell its state.
     #[error("{what} cannot tell its state, so that the scene cannot be saved: implement its `save` and `restore`")]
     CannotSave {
@@ -62,7 +83,7 @@ pub enum StateError {
     },
 }
 
-/// Writes a state.
+/// Writes a state, in the format of postcard.
 ///
 /// ```
 /// use lbm_ibm_coupling::{StateReader, StateWriter, Vec3};
@@ -70,31 +91,47 @@ pub enum StateError {
 /// let mut to = StateWriter::default();
 /// to.numbers(&[1.0, f64::INFINITY]);
 /// to.vector(Vec3::new(0.1, 0.2, 0.3));
-/// let bytes = to.into_bytes();
+/// to.put(&Some("anything that serde knows"));
+/// let bytes = to.into_bytes()?;
 /// let (mut from, mut numbers) = (StateReader::new(&bytes, "an example"), [0.0; 2]);
 /// from.numbers(&mut numbers)?;
 /// assert_eq!((numbers, from.vector()?), ([1.0, f64::INFINITY], Vec3::new(0.1, 0.2, 0.3)));
+/// assert_eq!(from.get::<Option<String>>()?.as_deref(), Some("anything that serde knows"));
 /// from.end()?;
 /// # Ok::<(), lbm_ibm_coupling::StateError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct StateWriter(Vec<u8>);
+pub struct StateWriter {
+    bytes: Vec<u8>,
+    /// Why the first value that could not be written was not.
+    failed: Option<String>,
+}
 
 impl StateWriter {
+    /// A value of any type that serde can serialise.
+    pub fn put<T: Serialize + ?Sized>(&mut self, value: &T) {
+        if self.failed.is_some() {
+            return;
+        }
+        match postcard::to_extend(value, std::mem::take(&mut self.bytes)) {
+            Ok(bytes) => self.bytes = bytes,
+            Err(error) => self.failed = Some(error.to_string()),
+        }
+    }
+
     /// A whole number.
     pub fn count(&mut self, number: u64) {
-        self.bytes(&number.to_le_bytes());
+        self.put(&number);
     }
 
     /// A number, bit by bit.
     pub fn number(&mut self, number: f64) {
-        self.bytes(&number.to_le_bytes());
+        self.put(&number);
     }
 
     /// Numbers; whoever reads them knows how many.
     pub fn numbers(&mut self, numbers: &[f64]) {
-        self.0.reserve(8 * numbers.len());
-        numbers.iter().for_each(|n| self.number(*n));
+        self.put(&Tuple(numbers));
     }
 
     /// A vector.
@@ -110,22 +147,35 @@ impl StateWriter {
     /// Bytes, and how many.
     pub fn part(&mut self, bytes: &[u8]) {
         self.count(bytes.len() as u64);
-        self.bytes(bytes);
-    }
-
-    fn bytes(&mut self, bytes: &[u8]) {
-        self.0.extend_from_slice(bytes);
+        self.bytes.extend_from_slice(bytes);
     }
 
     /// What has been written.
-    pub fn into_bytes(self) -> Vec<u8> {
-        self.0
+    ///
+    /// # Errors
+    /// [`StateError::Unwritable`] if a value could not be.
+    pub fn into_bytes(self) -> Result<Vec<u8>, StateError> {
+        match self.failed {
+            None => Ok(self.bytes),
+            Some(why) => Err(StateError::Unwritable { why }),
+        }
+    }
+}
+
+/// Numbers of which the reader knows how many.
+struct Tuple<'a>(&'a [f64]);
+
+impl Serialize for Tuple<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(self.0.len())?;
+        self.0.iter().try_for_each(|n| tuple.serialize_element(n))?;
+        tuple.end()
     }
 }
 
 /// Reads a state in the order in which it was written.
 ///
-/// Its methods return [`StateError::Length`] where the bytes end early.
+/// Its methods return [`StateError::Unreadable`] or [`StateError::Length`] where the bytes are not what is asked for.
 #[derive(Clone, Debug)]
 pub struct StateReader<'a> {
     rest: &'a [u8],
@@ -141,38 +191,46 @@ impl<'a> StateReader<'a> {
         }
     }
 
-    fn take(&mut self, bytes: usize) -> Result<&'a [u8], StateError> {
-        let Some((first, rest)) = self.rest.split_at_checked(bytes) else {
-            return Err(StateError::Length {
-                what: self.what.clone(),
-                bytes: bytes - self.rest.len(),
-                short: true,
-            });
-        };
+    /// A value of [`StateWriter::put`].
+    ///
+    /// # Errors
+    /// [`StateError::Unreadable`].
+    pub fn get<T: Deserialize<'a>>(&mut self) -> Result<T, StateError> {
+        let (value, rest) = postcard::take_from_bytes(self.rest).map_err(|error| StateError::Unreadable {
+            what: self.what.clone(),
+            bytes: self.rest.len(),
+            why: error.to_string(),
+        })?;
         self.rest = rest;
-        Ok(first)
+        Ok(value)
     }
 
-    fn eight(&mut self) -> Result<[u8; 8], StateError> {
-        let mut eight = [0; 8];
-        eight.copy_from_slice(self.take(8)?);
-        Ok(eight)
+    /// That as many bytes are there.
+    fn has(&self, bytes: usize) -> Result<(), StateError> {
+        match bytes.checked_sub(self.rest.len()) {
+            None | Some(0) => Ok(()),
+            Some(bytes) => Err(StateError::Length {
+                what: self.what.clone(),
+                bytes,
+                short: true,
+            }),
+        }
     }
 
     /// A whole number.
     ///
     /// # Errors
-    /// [`StateError::Length`].
+    /// [`StateError::Unreadable`].
     pub fn count(&mut self) -> Result<u64, StateError> {
-        self.eight().map(u64::from_le_bytes)
+        self.get()
     }
 
     /// A number.
     ///
     /// # Errors
-    /// [`StateError::Length`].
+    /// [`StateError::Unreadable`].
     pub fn number(&mut self) -> Result<f64, StateError> {
-        self.eight().map(f64::from_le_bytes)
+        self.get()
     }
 
     /// Fills `numbers`.
@@ -180,7 +238,8 @@ impl<'a> StateReader<'a> {
     /// # Errors
     /// [`StateError::Length`].
     pub fn numbers(&mut self, numbers: &mut [f64]) -> Result<(), StateError> {
-        numbers.iter_mut().try_for_each(|n| self.number().map(|read| *n = read))
+        self.has(8 * numbers.len())?;
+        numbers.iter_mut().try_for_each(|n| self.get().map(|read| *n = read))
     }
 
     /// A vector.
@@ -205,16 +264,19 @@ impl<'a> StateReader<'a> {
     /// Bytes of [`StateWriter::part`].
     ///
     /// # Errors
-    /// [`StateError::Length`].
+    /// [`StateError::Unreadable`], [`StateError::Length`].
     pub fn part(&mut self) -> Result<&'a [u8], StateError> {
-        let bytes = self.count()?;
-        self.take(usize::try_from(bytes).unwrap_or(usize::MAX))
+        let bytes = usize::try_from(self.count()?).unwrap_or(usize::MAX);
+        self.has(bytes)?;
+        let (first, rest) = self.rest.split_at(bytes);
+        self.rest = rest;
+        Ok(first)
     }
 
     /// A whole number that has to be `here`.
     ///
     /// # Errors
-    /// [`StateError::Length`], [`StateError::Differs`] with `what` it is.
+    /// [`StateError::Unreadable`], [`StateError::Differs`] with `what` it is.
     pub fn same(&mut self, what: impl Into<String>, here: u64) -> Result<(), StateError> {
         let saved = self.count()?;
         differs(what, saved.to_string(), here.to_string())
@@ -248,16 +310,7 @@ pub(crate) fn differs(what: impl Into<String>, saved: String, here: String) -> R
     })
 }
 
-/// Checksum of bytes: FNV-1a of 64 bits, by words of eight bytes, then by bytes. Each word is mixed from above too, for a
-/// product carries no bit downwards.
+/// Checksum of bytes: XXH64.
 pub(crate) fn checksum(bytes: &[u8]) -> u64 {
-    let mix = |hash: u64, word: u64| {
-        let hash = (hash ^ word).wrapping_mul(0x0100_0000_01b3);
-        hash ^ (hash >> 32)
-    };
-    let (words, rest) = bytes.as_chunks::<8>();
-    let hash = words
-        .iter()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, w| mix(hash, u64::from_le_bytes(*w)));
-    rest.iter().fold(hash, |hash, b| mix(hash, u64::from(*b)))
+    XxHash64::oneshot(0, bytes)
 }

@@ -1,8 +1,9 @@
 //! Scenes on disk, to go on from.
 
 use lbm_ibm_coupling::{Scene, SceneError};
+use lz4_flex::frame::{BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Why a scene is not on the disk, or cannot be taken from there.
@@ -20,8 +21,8 @@ pub enum CheckpointError {
         /// What went wrong.
         source: std::io::Error,
     },
-    /// The file cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
+    /// The file cannot be read, or is no whole LZ4 frame.
+    #[error("cannot read {}: {source}; give a file of `write_checkpoint`", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -38,8 +39,8 @@ pub enum CheckpointError {
     },
 }
 
-/// Writes the state of a scene ([`Scene::save`]) to `path`. It is written beside it and then renamed, so that whoever is
-/// interrupted keeps the file of the time before.
+/// Writes the state of a scene ([`Scene::save`]) to `path`, compressed as an LZ4 frame. It is written beside it and then renamed,
+/// so that whoever is interrupted keeps the file of the time before.
 ///
 /// ```
 /// # use lbm_ibm::prelude::*;
@@ -74,10 +75,11 @@ pub fn write_checkpoint(scene: &Scene, path: &Path) -> Result<(), CheckpointErro
     let mut beside = path.as_os_str().to_owned();
     beside.push(".part");
     let write = || -> std::io::Result<()> {
-        let mut file = File::create(&beside)?;
-        file.write_all(&bytes)?;
+        let frame = FrameInfo::new().block_size(BlockSize::Max4MB).content_checksum(true);
+        let mut encoder = FrameEncoder::with_frame_info(frame, File::create(&beside)?);
+        encoder.write_all(&bytes)?;
         // On the disk before the name points to it.
-        file.sync_all()?;
+        encoder.finish()?.sync_all()?;
         fs::rename(&beside, path)
     };
     let path = path.to_owned();
@@ -90,7 +92,10 @@ pub fn write_checkpoint(scene: &Scene, path: &Path) -> Result<(), CheckpointErro
 /// [`CheckpointError::Read`], [`CheckpointError::Restore`].
 pub fn read_checkpoint(scene: &mut Scene, path: &Path) -> Result<(), CheckpointError> {
     let at = || path.to_owned();
-    let bytes = fs::read(path).map_err(|source| CheckpointError::Read { path: at(), source })?;
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| FrameDecoder::new(file).read_to_end(&mut bytes))
+        .map_err(|source| CheckpointError::Read { path: at(), source })?;
     scene
         .restore(&bytes)
         .map_err(|source| CheckpointError::Restore { path: at(), source })

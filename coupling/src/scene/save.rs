@@ -29,12 +29,11 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// [`StateError::CannotSave`] where the fluid cannot tell its state.
+    /// [`StateError::CannotSave`] where the fluid cannot tell its state, [`StateError::Unwritable`] where a body or a field gives
+    /// its state a value that the format has no place for.
     pub fn save(&self) -> Result<Vec<u8>, SceneError> {
         let mut to = StateWriter::default();
-        to.count(u64::from_le_bytes(MARK));
-        to.count(VERSION);
-        for (_, here) in self.build() {
+        for (_, here) in self.build()? {
             to.part(here.as_bytes());
         }
         to.count(self.step);
@@ -58,15 +57,15 @@ impl Scene {
                 what: "the fluid".to_owned(),
             })?;
             to.part(&state);
-            to.part(&part(|to| fluid.exchange.save(to)));
+            to.part(&part(|to| fluid.exchange.save(to))?);
         }
         for slot in &self.bodies {
-            to.part(&part(|to| slot.body.save(to)));
+            to.part(&part(|to| slot.body.save(to))?);
         }
         for field in &self.fields {
-            to.part(&part(|to| field.save(to)));
+            to.part(&part(|to| field.save(to))?);
         }
-        let mut bytes = to.into_bytes();
+        let mut bytes = [MARK.as_slice(), &VERSION.to_le_bytes(), &to.into_bytes()?].concat();
         let sum = checksum(&bytes);
         bytes.extend_from_slice(&sum.to_le_bytes());
         Ok(bytes)
@@ -81,7 +80,7 @@ impl Scene {
     /// bodies, fields or time step leave the scene as it was; after any other error it has to be built anew.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), SceneError> {
         let mut from = StateReader::new(whole(bytes)?, "the scene");
-        for (what, here) in self.build() {
+        for (what, here) in self.build()? {
             let saved = String::from_utf8_lossy(from.part()?).into_owned();
             differs(what, saved, here)?;
         }
@@ -127,7 +126,7 @@ impl Scene {
     }
 
     /// What a saved scene has to agree in with the one that takes it.
-    fn build(&self) -> Vec<(String, String)> {
+    fn build(&self) -> Result<Vec<(String, String)>, StateError> {
         let mut all = vec![
             ("the time step (s)".to_owned(), format!("{:e}", self.time_step)),
             ("whether there is a fluid".to_owned(), self.fluid.is_some().to_string()),
@@ -138,7 +137,7 @@ impl Scene {
         ];
         for (i, info) in self.infos.iter().enumerate() {
             let reference = self.reference.slice(info.range.clone());
-            let shape = checksum(&part(|to| to.array(reference)));
+            let shape = checksum(&part(|to| to.array(reference))?);
             let triangles = info.triangles.iter().flatten().flat_map(|n| n.to_le_bytes());
             let shape = shape ^ checksum(&triangles.collect::<Vec<_>>());
             let body = format!("number {}, {} of {} nodes", info.id, info.kind, info.range.len());
@@ -148,12 +147,12 @@ impl Scene {
         for (i, field) in self.fields.iter().enumerate() {
             all.push((format!("force field {i}"), field.name().to_owned()));
         }
-        all
+        Ok(all)
     }
 }
 
 /// The bytes that `write` writes.
-fn part(write: impl FnOnce(&mut StateWriter)) -> Vec<u8> {
+fn part(write: impl FnOnce(&mut StateWriter)) -> Result<Vec<u8>, StateError> {
     let mut to = StateWriter::default();
     write(&mut to);
     to.into_bytes()
