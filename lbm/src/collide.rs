@@ -44,6 +44,21 @@ pub struct Span<'a> {
 }
 
 impl Span<'_> {
+    /// What is before the whole vectors of the span, those, and what is behind.
+    pub fn parts<V: Simd>(&self) -> [Self; 3] {
+        let ends = Ends::new::<V>(self);
+        let part = |from: usize, len: usize| Self {
+            start: self.start + from,
+            len,
+            ..*self
+        };
+        [
+            part(0, ends.head),
+            part(ends.head, ends.tail_from - ends.head),
+            part(ends.tail_from, ends.tail),
+        ]
+    }
+
     /// Places of the first node.
     #[inline(always)]
     fn first<S, const Q: usize>(&self) -> [*mut S; Q] {
@@ -194,6 +209,34 @@ where
     }
 }
 
+/// The same for whole vectors alone, without force and sum: the length is a multiple of that of a vector.
+///
+/// # Safety
+/// As for [`span`].
+#[inline(always)]
+pub unsafe fn whole_span<M, S, V, const Q: usize>(model: &M, s: &Span)
+where
+    M: Model<Q>,
+    S: Element,
+    V: Stored<S>,
+{
+    // SAFETY: the contract of this function is that of every call below; the loop stays in the span.
+    unsafe {
+        let places = s.first::<S, Q>();
+        let none = [V::splat(0.0); 3];
+        let mut x = 0;
+        while x < s.len {
+            let mut f = gather::<V, S, Q>(&places, x, V::LANES);
+            if (x * size_of::<S>()).is_multiple_of(LINE) {
+                s.fetch_ahead::<S, Q>(x);
+            }
+            model.collide::<V, false>(&mut f, none);
+            scatter(&f, &places, x, V::LANES);
+            x += V::LANES;
+        }
+    }
+}
+
 /// The same in as little code as can be: one loop for whole vectors and ends, with a force on each node (zero where there is
 /// none) and the sum of the momentum always.
 ///
@@ -227,7 +270,14 @@ where
             }
             let momentum = model.collide::<V, true>(&mut f, wide(force, x * stride));
             add(&mut sum, momentum);
-            scatter(&f, &places, x, n);
+            for i in 0..Q {
+                let place = places[opposite(i)].wrapping_add(x);
+                if n == V::LANES {
+                    f[i].store(place);
+                } else {
+                    f[i].store_first(place, n);
+                }
+            }
             x += n;
         }
         total(sum)

@@ -1,6 +1,6 @@
 //! A collision model, compiled for one instruction set and one precision, behind one object.
 
-use crate::collide::{FREE, PER_NODE, Span, UNIFORM, lean_span, read, span};
+use crate::collide::{FREE, PER_NODE, Span, UNIFORM, lean_span, read, span, whole_span};
 use crate::element::{Element, Half, Precision};
 use crate::isa::InstructionSet;
 use crate::model::Model;
@@ -103,7 +103,18 @@ where
         unsafe {
             // Only the functions of one branch are compiled.
             if LEAN {
-                return I::lean_span::<M, S, V, Q>(&self.model, span);
+                // Without vectors, and in 16 bits, speed is no concern.
+                if !const { I::VECTORS && size_of::<S>() > 2 } || force != FREE || tally {
+                    return I::lean_span::<M, S, V, Q>(&self.model, span);
+                }
+                let [head, whole, tail] = span.parts::<V>();
+                for end in [head, tail] {
+                    if end.len > 0 {
+                        I::lean_span::<M, S, V, Q>(&self.model, &end);
+                    }
+                }
+                I::whole_span::<M, S, V, Q>(&self.model, &whole);
+                return [0.0; 3];
             }
             match (force, tally) {
                 (FREE, false) => I::span::<M, S, V, Q, FREE, false>(&self.model, span),
@@ -154,6 +165,8 @@ fn derivative<M: Model<Q>, const Q: usize>(model: &M) -> Vec<f64> {
 
 /// Functions compiled with the instructions of a set.
 trait Enable: Send + Sync + 'static {
+    /// Whether there are vectors.
+    const VECTORS: bool;
     /// # Safety
     /// As for [`span`].
     unsafe fn span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: u8, const TALLY: bool>(
@@ -164,17 +177,22 @@ trait Enable: Send + Sync + 'static {
     /// As for [`lean_span`].
     unsafe fn lean_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) -> [f64; 3];
     /// # Safety
+    /// As for [`whole_span`].
+    unsafe fn whole_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span);
+    /// # Safety
     /// As for [`read`].
     unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]);
 }
 
 macro_rules! enable {
-    ($(#[$config:meta])* $name:ident $(, $features:literal)?) => {
+    ($(#[$config:meta])* $name:ident, $vectors:literal $(, $features:literal)?) => {
         $(#[$config])*
         struct $name;
 
         $(#[$config])*
         impl Enable for $name {
+            const VECTORS: bool = $vectors;
+
             #[inline]
             unsafe fn span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: u8, const TALLY: bool>(
                 model: &M,
@@ -209,6 +227,17 @@ macro_rules! enable {
             }
 
             #[inline]
+            unsafe fn whole_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) {
+                $(#[target_feature(enable = $features)])?
+                unsafe fn compiled<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span) {
+                    // SAFETY: the instructions are enabled, the rest is the caller's contract.
+                    unsafe { whole_span::<M, S, V, Q>(model, s) }
+                }
+                // SAFETY: the caller's contract.
+                unsafe { compiled::<M, S, V, Q>(model, s) }
+            }
+
+            #[inline]
             unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]) {
                 $(#[target_feature(enable = $features)])?
                 unsafe fn compiled<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]) {
@@ -222,14 +251,16 @@ macro_rules! enable {
     };
 }
 
-enable!(Plain);
+enable!(Plain, false);
 enable!(
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    true,
     "avx2,fma,f16c"
 );
 enable!(
     #[cfg(target_arch = "x86_64")]
     Avx512,
+    true,
     "avx512f"
 );

@@ -22,7 +22,7 @@ pub fn spectral_radius(a: &mut [C], n: usize) -> Option<f64> {
     while end > 0 {
         let start = active(a, n, end, none);
         if start + 1 == end {
-            radius = radius.max(a[(end - 1) * n + end - 1].norm());
+            radius = radius.max(a[(end - 1) * n + end - 1].norm_sqr().sqrt());
             end -= 1;
             steps = 0;
         } else {
@@ -40,7 +40,7 @@ pub fn spectral_radius(a: &mut [C], n: usize) -> Option<f64> {
 fn active(a: &mut [C], n: usize, end: usize, none: f64) -> usize {
     for i in (1..end).rev() {
         let below = &mut a[i * n + i - 1];
-        if below.norm() <= none {
+        if below.norm_sqr() <= none * none {
             *below = C::new(0.0, 0.0);
             return i;
         }
@@ -94,7 +94,7 @@ fn step(a: &mut [C], n: usize, start: usize, end: usize, exceptional: bool) {
         let half = (p - s) * 0.5;
         let root = (half * half + q * r).sqrt();
         let (one, two) = (half + root, half - root);
-        s + if one.norm() < two.norm() { one } else { two }
+        s + if one.norm_sqr() < two.norm_sqr() { one } else { two }
     };
     let mut rotations = Vec::with_capacity(end - start);
     for i in start..end {
@@ -102,7 +102,7 @@ fn step(a: &mut [C], n: usize, start: usize, end: usize, exceptional: bool) {
     }
     for i in start..end - 1 {
         let (x, y) = (a[i * n + i], a[(i + 1) * n + i]);
-        let length = x.norm().hypot(y.norm());
+        let length = (x.norm_sqr() + y.norm_sqr()).sqrt();
         let (c, s) = if length == 0.0 {
             (C::new(1.0, 0.0), C::new(0.0, 0.0))
         } else {

@@ -28,7 +28,8 @@ pub type RecursiveRegularised<S> = StressAlone<S, true>;
 /// frame of the fluid.
 #[derive(Clone, Debug)]
 pub struct StressAlone<S, const RECURSIVE: bool> {
-    rate: f64,
+    shear: f64,
+    bulk: f64,
     second: f64,
     stencil: PhantomData<S>,
 }
@@ -37,10 +38,18 @@ impl<S, const RECURSIVE: bool> StressAlone<S, RECURSIVE> {
     /// For a relaxation time (time steps), with or without the terms of second order in velocity and force.
     pub fn new(tau: f64, inertia: bool) -> Self {
         Self {
-            rate: 1.0 / tau,
+            shear: 1.0 / tau,
+            bulk: 1.0 / tau,
             second: f64::from(u8::from(inertia)),
             stencil: PhantomData,
         }
+    }
+
+    /// With a rate of its own (per step) for the trace of the stress: the bulk viscosity in space is `2/9 (1/bulk - 1/2)` in lattice units; 1
+    /// damps sound. This is also a collision with many relaxation times of which all but that of the shear stress and this one are 1,
+    /// with moments that are orthogonal under the weights.
+    pub fn with_bulk(self, bulk: f64) -> Self {
+        Self { bulk, ..self }
     }
 }
 
@@ -51,7 +60,7 @@ impl<S: Basis<Q>, const RECURSIVE: bool, const Q: usize> Model<Q> for StressAlon
     fn collide<V: Real, const FORCE: bool>(&self, f: &mut [V; Q], force: [V; 3]) -> [V; 3] {
         let (low, _) = S::low(f);
         let mut state = State::new::<FORCE>(&low, force, self.second);
-        state.relax_stress(self.rate, self.rate, S::AXES);
+        state.relax_stress(self.shear, self.bulk, S::AXES);
         *f = if RECURSIVE {
             let zero = state.density.like(0.0);
             S::recursive::<V, FORCE>(&Central::new(state, [zero; 7]))
