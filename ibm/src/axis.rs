@@ -69,10 +69,11 @@ impl Axis {
             if lower < 0 || lower >= self.nodes {
                 lower = lower.rem_euclid(self.nodes);
             }
-        } else if !(s >= 0.0 && s <= self.nodes as f64) {
-            return None;
-        } else if (self.open[0] && lower < 0) || (self.open[1] && lower + support as i64 > self.nodes) {
-            return None;
+        } else {
+            let through = (self.open[0] && lower < 0) || (self.open[1] && lower + support as i64 > self.nodes);
+            if through || !(s >= 0.0 && s <= self.nodes as f64) {
+                return None;
+            }
         }
         let edge = BRICK_EDGE as i64;
         let brick = lower.max(0) / edge;
