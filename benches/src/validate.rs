@@ -6,6 +6,7 @@ pub(crate) mod capsule;
 mod cavity;
 mod cells;
 mod channel;
+mod compare;
 mod coupling;
 mod duct;
 mod finding;
@@ -24,16 +25,20 @@ mod stiff;
 mod stretch;
 mod unsteady;
 
+pub use compare::comparison;
 pub use finding::{Finding, Findings};
 
 use crate::Fault;
 use crate::reference::Table;
+use lbm_ibm::lbm::Precision;
 
 /// How a case is run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Effort {
     /// Leave out the slow rows, so that all cases end in three minutes.
     pub quick: bool,
+    /// What the fluid's populations are stored as, in the cases of [`STORED`].
+    pub precision: Precision,
 }
 
 /// What a case finds, or why it cannot be computed.
@@ -47,6 +52,25 @@ pub enum Case {
     /// Without a file: its references are zero, or bounds.
     Alone(fn(Effort) -> Outcome),
 }
+
+/// Cases whose fluid is stored as [`Effort::precision`] says; all others are computed in 64 bits.
+pub const STORED: &[&str] = &[
+    "poiseuille_wall_slip",
+    "duct_flow",
+    "square_duct_profile",
+    "inclined_channel",
+    "sphere_array_drag",
+    "cylinder_array_drag",
+    "slit_pore_resistance",
+    "womersley",
+    "taylor_green_3d",
+    "couette",
+    "sphere_loads",
+    "open_channel",
+    "cavity_2d_ghia",
+    "cavity_3d_re1000",
+    "sphere_settling_ten_cate",
+];
 
 /// All cases by name.
 pub const CASES: &[(&str, Case)] = &[

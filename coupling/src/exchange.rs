@@ -38,8 +38,8 @@ pub enum ExchangeError {
         /// Greatest distance allowed, in grid spacings.
         limit: f64,
     },
-    /// A marker has left the grid through a face that is not periodic.
-    #[error("body {body}: a marker at ({:.4e}, {:.4e}, {:.4e}) m is outside the grid or not finite; use a smaller time step or a stronger wall contact", position[0], position[1], position[2])]
+    /// A marker has left the grid through a face that is not periodic, or is so near to an open one that its kernel reaches beyond.
+    #[error("body {body}: a marker at ({:.4e}, {:.4e}, {:.4e}) m is outside the grid, nearer to an open face than its kernel reaches, or not finite; end the run before a body comes to an open end, use a smaller time step or a stronger wall contact", position[0], position[1], position[2])]
     OutsideGrid {
         /// Body number.
         body: u32,

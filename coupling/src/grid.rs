@@ -5,7 +5,7 @@ use crate::Vec3;
 /// A regular grid of cubic cells, fluid nodes at the cell centres.
 ///
 /// Node `(i, j, k)` is at `origin + (i + 1/2, j + 1/2, k + 1/2) spacing`. A face of the box that is not periodic is a
-/// no-slip wall, half a spacing from the outermost nodes.
+/// no-slip wall, half a spacing from the outermost nodes, unless the fluid has opened it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Nodes in x, y, z.
@@ -16,16 +16,20 @@ pub struct Grid {
     pub origin: Vec3,
     /// Directions that repeat.
     pub periodic: [bool; 3],
+    /// Low and high face of each direction that are no wall: fluid passes, or slips along. Kernels may not reach beyond them,
+    /// where no velocity is known.
+    pub open: [[bool; 2]; 3],
 }
 
 impl Grid {
-    /// A grid with its lower corner at zero.
+    /// A grid with its lower corner at zero, its faces periodic or walls.
     pub fn new(shape: [usize; 3], spacing: f64, periodic: [bool; 3]) -> Self {
         Self {
             shape,
             spacing,
             origin: Vec3::zeros(),
             periodic,
+            open: [[false; 2]; 3],
         }
     }
 

@@ -9,6 +9,8 @@ pub(crate) struct Axis {
     origin: f64,
     nodes: i64,
     periodic: bool,
+    /// Whether either end is an open face.
+    open: [bool; 2],
     /// First node at which a stencil may reach past the end of the grid, if that matters.
     last: f64,
 }
@@ -34,6 +36,7 @@ impl Axis {
             origin: grid.origin[a],
             nodes: grid.shape[a] as i64,
             periodic: grid.periodic[a],
+            open: grid.open[a],
             last: grid.shape[a] as f64 - if grid.periodic[a] { 0.0 } else { SEGMENTS as f64 },
         })
     }
@@ -53,7 +56,8 @@ impl Axis {
         lower >= 0.0 && lower < self.last
     }
 
-    /// Brick, corner in it and remainder of a coordinate (m); none outside the grid.
+    /// Brick, corner in it and remainder of a coordinate (m); none outside the grid, or where the stencil reaches through an open
+    /// face.
     #[inline]
     pub fn home(&self, x: f64, per_spacing: f64, support: usize) -> Option<(usize, i8, f64)> {
         let s = (x - self.origin) * per_spacing;
@@ -65,8 +69,11 @@ impl Axis {
             if lower < 0 || lower >= self.nodes {
                 lower = lower.rem_euclid(self.nodes);
             }
-        } else if !(s >= 0.0 && s <= self.nodes as f64) {
-            return None;
+        } else {
+            let through = (self.open[0] && lower < 0) || (self.open[1] && lower + support as i64 > self.nodes);
+            if through || !(s >= 0.0 && s <= self.nodes as f64) {
+                return None;
+            }
         }
         let edge = BRICK_EDGE as i64;
         let brick = lower.max(0) / edge;

@@ -290,6 +290,22 @@ fn positions_outside_and_grids_too_small_are_errors() {
             "{x} {y}"
         );
     }
+    // Beyond a wall the fluid is at rest, beyond an open face nothing is known of it.
+    let mut open = Grid::new([16; 3], 1.0, [true, false, true]);
+    open.open[1] = [true, false];
+    for (y, fits) in [(1.49, false), (1.51, true), (14.51, true), (15.9, true)] {
+        let near = placed(Kernel::PeskinFour, &open, at(3.0, y).view(), &[]);
+        assert_eq!(near.is_ok(), fits, "{y}");
+        assert!(fits || matches!(near, Err(ExchangeError::OutsideGrid { body: 7, .. })));
+    }
+    open.open[1] = [false, true];
+    for (y, fits) in [(0.1, true), (14.49, true), (14.51, false)] {
+        assert_eq!(
+            placed(Kernel::PeskinFour, &open, at(3.0, y).view(), &[]).is_ok(),
+            fits,
+            "{y}"
+        );
+    }
     let narrow = Grid::new([16, 16, 3], 1.0, [true; 3]);
     let small = placed(Kernel::PeskinFour, &narrow, at(1.0, 1.0).view(), &[]);
     assert!(matches!(

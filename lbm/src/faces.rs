@@ -270,6 +270,7 @@ impl Fluid {
     /// same, with no face to let the rest go, is an error of the next step, for more faces may be to come.
     pub fn set_face(&mut self, axis: usize, side: Side, face: Face) -> Result<(), LbmError> {
         Faces::check(&self.grid, axis, &face)?;
+        self.grid.open[axis][side as usize] = !matches!(face, Face::Wall);
         self.faces.0[axis][side as usize] = face;
         self.mask.walled = self.faces.walled();
         self.link();

@@ -4,7 +4,7 @@ use crate::drive::{Balance, Drive};
 use crate::fluid::Fluid;
 use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
-use crate::mask::Mask;
+use crate::mask::{Mask, NarrowGaps};
 use crate::parallel;
 use crate::reading::ReadBrick;
 use crate::step::Step;
@@ -45,12 +45,11 @@ impl Lattice for Fluid {
         let shared = walls;
         let walls = shared.as_deref();
         let mut mask = Mask::new(&self.grid, walls, t)?.with_walled(self.faces.walled());
-        let filled_nodes = if self.fill_narrow {
-            mask.fill_narrow(&self.grid, walls, t)?
-        } else {
-            0
+        let filled_nodes = match self.narrow {
+            NarrowGaps::Filled => mask.fill_narrow(&self.grid, walls, t)?,
+            NarrowGaps::Refused | NarrowGaps::Kept => 0,
         };
-        let narrowest = mask.narrowest(&self.grid, walls, t)?;
+        let narrowest = mask.narrowest(&self.grid, walls, t, self.narrow)?;
         self.walls = (shared, t);
         self.replace_mask(mask);
         if let Some(fault) = self.links.openings.fault_without_balance() {

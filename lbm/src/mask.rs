@@ -8,6 +8,18 @@ const NEEDED: usize = 2;
 /// Least cosine between an axis and the normals of two walls that face each other across it.
 pub const FACING: f64 = 0.8;
 
+/// What becomes of gaps with fewer nodes than [`NEEDED`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NarrowGaps {
+    /// They are an error.
+    #[default]
+    Refused,
+    /// Their nodes are solid.
+    Filled,
+    /// They are left as they are.
+    Kept,
+}
+
 /// Solid flags of the grid and of one ghost node around it.
 pub struct Mask {
     shape: [usize; 3],
@@ -101,12 +113,13 @@ impl Mask {
     ///
     /// A gap is a run of fluid nodes along an axis between two walls that face each other: at the solid node at either
     /// end the wall's normal lies within 37 degrees of the axis. So a run that is short only because it grazes a curved
-    /// wall does not count. A gap of a single node is an error.
+    /// wall does not count. A gap of a single node is an error, unless such gaps are kept.
     pub fn narrowest(
         &self,
         grid: &Grid,
         walls: Option<&dyn Boundary>,
         t: f64,
+        narrow: NarrowGaps,
     ) -> Result<Option<(usize, usize)>, FluidError> {
         let mut narrowest: Option<(usize, usize)> = None;
         let mut fault = None;
@@ -115,7 +128,7 @@ impl Mask {
                 return;
             }
             let Some(width) = line.gap(start, len) else { return };
-            if len < NEEDED {
+            if len < NEEDED && narrow != NarrowGaps::Kept {
                 fault = Some(FluidError::NarrowGap {
                     node: line.at(start).map(|i| i as usize),
                     cells: len,

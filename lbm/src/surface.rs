@@ -8,6 +8,9 @@ use lbm_ibm_coupling::{Boundary, Grid, Vec3};
 /// Greatest cosine between the normals at the two cuts of a link that passes a thin wall. Where it grazes a curved wall or a
 /// square edge the normals are closer.
 const BACK_TO_BACK: f64 = -0.5;
+/// Depth, in spacings, of the middle of the part of a link that is in a wall, from which on the link does not pass: links that
+/// graze a round wall of 2 spacings' radius are never so deep, those across a square edge are.
+const DEEP: f64 = 0.13;
 /// How far before a cut its normal is taken, as a fraction of the link.
 const BEFORE: f64 = 1e-3;
 
@@ -168,15 +171,22 @@ impl Surface<'_> {
         found
     }
 
-    /// Whether a link between two fluid nodes meets walls that turn their backs on each other.
+    /// Whether a link between two fluid nodes meets walls that turn their backs on each other, or is deep in a wall on its way.
     fn is_thin(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> bool {
-        let normal = |node, i| {
+        let cut = |node, i| {
             let (a, b) = self.ends(node, i);
             let s = walls.cut(a, b, self.t)?;
-            Some(walls.probe(a + (b - a) * (s - BEFORE).max(0.0), self.t).normal)
+            Some((s, walls.probe(a + (b - a) * (s - BEFORE).max(0.0), self.t).normal))
         };
-        let Some(near) = normal(node, i) else { return false };
-        normal(far, opposite(i)).is_some_and(|n| n.dot(&near) < BACK_TO_BACK)
+        let (Some((first, near)), Some((last, beyond))) = (cut(node, i), cut(far, opposite(i))) else {
+            return false;
+        };
+        if beyond.dot(&near) < BACK_TO_BACK {
+            return true;
+        }
+        let (a, b) = self.ends(node, i);
+        let middle = a + (b - a) * (0.5 * (1.0 + first - last));
+        walls.probe(middle, self.t).distance < -DEEP * self.grid.spacing
     }
 
     /// Whether two solid nodes belong to walls that face each other across a gap.

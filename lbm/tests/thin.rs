@@ -158,3 +158,21 @@ fn thin_walls_and_lost_gaps_are_reported() {
     let report = fluid.set_walls(Some(Arc::new(close)), 0.0).unwrap();
     assert_eq!((report.thin_links, report.closed_gaps), (0, 20));
 }
+
+/// Links between fluid nodes on either side of a square edge do not pass through it; those that graze a ball of 2.5 cells do.
+#[test]
+fn links_do_not_cut_square_edges() {
+    let thin = |distance: fn(Vec3) -> f64| {
+        let grid = Grid::new([12; 3], SPACING, [true; 3]);
+        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(1.0)).unwrap();
+        let walls = Closure::new(move |x: Vec3| distance(x / SPACING) * SPACING, 1e-10);
+        fluid.set_walls(Some(Arc::new(walls)), 0.0).unwrap().thin_links
+    };
+    // A square from 3.6 to 8.4 cells: the diagonal across each corner is 0.4 cells deep in it.
+    let square = |x: Vec3| {
+        let (a, b) = ((x.x - 6.0).abs() - 2.4, (x.y - 6.0).abs() - 2.4);
+        if a > 0.0 && b > 0.0 { a.hypot(b) } else { a.max(b) }
+    };
+    assert_eq!(thin(square), 4 * 12);
+    assert_eq!(thin(|x| (x - Vec3::new(6.2, 6.1, 6.4)).norm() - 2.5), 0);
+}

@@ -1,11 +1,25 @@
 //! Holds the library against analytic solutions and published data.
 
-use clap::Parser;
+use clap::{Parser, ValueEnum};
+use lbm_ibm::lbm::Precision;
 use lbm_ibm_benches::Fault;
 use lbm_ibm_benches::reference::Table;
-use lbm_ibm_benches::validate::{CASES, Case, Effort, Finding, Findings};
+use lbm_ibm_benches::validate::{CASES, Case, Effort, Finding, Findings, STORED, comparison};
+use std::fs::File;
+use std::io::BufReader;
 use std::path::PathBuf;
 use std::process::ExitCode;
+
+/// What populations are stored as.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Bits {
+    /// 64 bits.
+    F64,
+    /// 32 bits: gates tighter than 1e-5 are 1e-5.
+    F32,
+    /// 16 bits: nothing gates.
+    F16,
+}
 
 /// Holds the library against analytic solutions and published data. A case has the name of a reference file,
 /// or of what a scene has to keep.
@@ -22,6 +36,12 @@ struct Options {
     /// Write all findings as JSON.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// What the fluid's populations are stored as; other than 64 bits for the cases of the fluid alone.
+    #[arg(long, value_enum, default_value = "f64")]
+    precision: Bits,
+    /// Findings of an earlier run, as JSON, to print a table of both.
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
     /// Print every finding, not only each case's worst.
     #[arg(long)]
     verbose: bool,
@@ -47,26 +67,48 @@ fn run(options: &Options) -> Result<bool, Fault> {
         }
     }
     let folder = options.reference.clone().unwrap_or_else(Table::own_folder);
-    let effort = Effort { quick: options.quick };
-    let wanted = |name: &str| options.cases.is_empty() || options.cases.iter().any(|c| c == name);
+    let effort = Effort {
+        quick: options.quick,
+        precision: match options.precision {
+            Bits::F64 => Precision::F64,
+            Bits::F32 => Precision::F32,
+            Bits::F16 => Precision::F16,
+        },
+    };
+    let before: Option<Vec<Finding>> = match &options.against {
+        Some(path) => Some(serde_json::from_reader(BufReader::new(File::open(path)?))?),
+        None => None,
+    };
+    let stored = |name: &str| options.precision == Bits::F64 || STORED.contains(&name);
+    if let Some(name) = options.cases.iter().find(|c| !stored(c)) {
+        return Err(format!(
+            "`{name}` is computed in 64 bits only; those in others are {}",
+            STORED.join(", ")
+        )
+        .into());
+    }
+    let wanted = |name: &str| stored(name) && (options.cases.is_empty() || options.cases.iter().any(|c| c == name));
     let mut all = Vec::new();
     for (name, case) in CASES.iter().filter(|(n, _)| wanted(n)) {
         let findings = match case {
             Case::Rows(compute) => compute(&Table::read(&folder, name)?, effort)?,
             Case::Alone(compute) => compute(effort)?,
         };
-        print_case(name, &findings, options.verbose);
+        print_case(name, &findings, options);
         all.extend(findings.found);
     }
     if let Some(path) = &options.json {
         lbm_ibm::output::write_json(path, &all)?;
+    }
+    if let Some(before) = before {
+        println!("{}", comparison(&before, &all));
     }
     let failed = all.iter().filter(|f| !f.pass).count();
     println!("{} passed, {failed} failed", all.len() - failed);
     Ok(failed == 0)
 }
 
-fn print_case(name: &str, findings: &Findings, verbose: bool) {
+fn print_case(name: &str, findings: &Findings, options: &Options) {
     println!("{name}");
     let found = findings.found.as_slice();
     let gated = |f: &&Finding| f.gate.is_some();
@@ -74,7 +116,7 @@ fn print_case(name: &str, findings: &Findings, verbose: bool) {
     let worst = found.iter().filter(gated).max_by(|a, b| over(a).total_cmp(&over(b)));
     for f in found {
         let is_worst = worst.is_some_and(|w| std::ptr::eq(w, f));
-        if verbose || !f.pass || is_worst || f.quantity.starts_with("order") {
+        if options.verbose || !f.pass || is_worst || f.quantity.starts_with("order") {
             print_finding(f);
         }
     }
@@ -85,10 +127,12 @@ fn print_case(name: &str, findings: &Findings, verbose: bool) {
         found.len() - rows
     );
     if findings.left_out > 0 {
-        println!(
-            "  {} slow rows left out: run without --quick for them",
-            findings.left_out
-        );
+        let why = if options.quick {
+            "slow ones come without --quick"
+        } else {
+            "the text of the case says why"
+        };
+        println!("  {} rows left out: {why}", findings.left_out);
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Effort, Findings, Outcome};
 use crate::Fault;
 use crate::reference::Table;
 use lbm_ibm::coupling::{Boundary, Bricks, Grid, Lattice, Macroscopic, Probe, UM, Vec3};
-use lbm_ibm::lbm::{Fluid, Pace};
+use lbm_ibm::lbm::{Fluid, Pace, Precision};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -54,13 +54,14 @@ struct Cavity {
 }
 
 impl Cavity {
-    fn new(n: usize, depth: Option<usize>, reynolds: f64) -> Result<Self, Fault> {
+    fn new(n: usize, depth: Option<usize>, reynolds: f64, precision: Precision) -> Result<Self, Fault> {
         let length = n as f64 * UM;
         let speed = reynolds * VISCOSITY / (DENSITY * length);
         let grid = Grid::new([n, n, depth.unwrap_or(1)], UM, [false, false, depth.is_none()]);
         let walls = Walls { length, speed };
         let bricks = Bricks::new(&grid);
-        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::TimeStep(LID * UM / speed))?;
+        let mut fluid =
+            Fluid::new(grid, DENSITY, VISCOSITY, Pace::TimeStep(LID * UM / speed))?.with_precision(precision);
         fluid.set_walls(Some(Arc::new(walls)), 0.0)?;
         let mut last: Option<Macroscopic> = None;
         for passes in 0..PASSES {
@@ -117,7 +118,7 @@ fn key(items: &[(&str, String)]) -> BTreeMap<String, String> {
 /// where the table has a greatest velocity of 0.1753 and a least of -0.2453; later work has 0.1796 and -0.2538 (Marchi, Suero
 /// and Araki 2009; not gated). A quick run has 100 and 400.
 pub fn cavity_2d_ghia(table: &Table, effort: Effort) -> Outcome {
-    let mut findings = Findings::of(table.name());
+    let mut findings = Findings::of(table.name()).stored(effort.precision);
     for reynolds in [100, 400, 1000] {
         let column = format!("Re{reynolds}");
         if effort.quick && reynolds == 1000 {
@@ -126,7 +127,7 @@ pub fn cavity_2d_ghia(table: &Table, effort: Effort) -> Outcome {
         }
         for n in [64, 128] {
             findings.begin(key(&[("Re", reynolds.to_string()), ("cells", n.to_string())]));
-            let flow = Cavity::new(n, None, f64::from(reynolds))?;
+            let flow = Cavity::new(n, None, f64::from(reynolds), effort.precision)?;
             for (line, a) in [("u_on_x=0.5", 0), ("v_on_y=0.5", 1)] {
                 let mut pairs = Vec::new();
                 for row in table.rows().iter().filter(|r| r.text("line").is_ok_and(|l| l == line)) {
@@ -154,11 +155,11 @@ pub fn cavity_2d_ghia(table: &Table, effort: Effort) -> Outcome {
 /// Velocities on the two midlines of the cube at a Reynolds number of 1000: within 3 % on 96 cells, root mean square over
 /// that of the table, and steady on 48, the only ones of a quick run.
 pub fn cavity_3d_re1000(table: &Table, effort: Effort) -> Outcome {
-    let mut findings = Findings::of(table.name());
+    let mut findings = Findings::of(table.name()).stored(effort.precision);
     findings.left_out += usize::from(effort.quick);
     for n in if effort.quick { &[48][..] } else { &[48, 96] } {
         findings.begin(key(&[("cells", n.to_string())]));
-        let flow = Cavity::new(*n, Some(*n), 1000.0)?;
+        let flow = Cavity::new(*n, Some(*n), 1000.0, effort.precision)?;
         for line in ["v_on_x_axis", "u_on_y_axis"] {
             let mut pairs = Vec::new();
             for row in table.rows().iter().filter(|r| r.text("line").is_ok_and(|l| l == line)) {

@@ -1,11 +1,15 @@
 //! What a case finds.
 
-use serde::Serialize;
+use lbm_ibm::lbm::Precision;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+/// The tightest gate of a fluid that is stored in 32 bits.
+pub const ROUNDED: f64 = 1e-5;
+
 /// One quantity of one row against its reference.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Finding {
     /// Case.
     pub case: String,
@@ -34,9 +38,10 @@ pub struct Findings {
     case: String,
     row: BTreeMap<String, String>,
     clock: Instant,
+    precision: Precision,
     /// What was found.
     pub found: Vec<Finding>,
-    /// Rows that were left out because they are slow.
+    /// Rows that were left out, because they are slow or for what the case says.
     pub left_out: usize,
 }
 
@@ -47,9 +52,15 @@ impl Findings {
             case: case.to_owned(),
             row: BTreeMap::new(),
             clock: Instant::now(),
+            precision: Precision::F64,
             found: Vec::new(),
             left_out: 0,
         }
+    }
+
+    /// What the fluid is stored as. In 32 bits gates tighter than 1e-5 are 1e-5, in 16 bits nothing gates.
+    pub fn stored(self, precision: Precision) -> Self {
+        Self { precision, ..self }
     }
 
     /// Begins a row; its seconds count from here.
@@ -78,7 +89,8 @@ impl Findings {
     /// A quantity that has to be at least `least`, such as an order of convergence: the error is how far it falls short.
     pub fn check_at_least(&mut self, quantity: &str, value: f64, least: f64) {
         self.push(quantity, value, least, 1.0, Some(0.0));
-        if let Some(last) = self.found.last_mut() {
+        if let Some(last) = self.found.last_mut().filter(|f| f.gate.is_some()) {
+            last.gate = Some(0.0);
             last.relative_error = (least - value).max(0.0);
             last.pass = value >= least;
         }
@@ -91,6 +103,11 @@ impl Findings {
 
     fn push(&mut self, quantity: &str, value: f64, reference: f64, scale: f64, gate: Option<f64>) {
         let relative_error = (value - reference).abs() / scale;
+        let gate = gate.and_then(|g| match self.precision {
+            Precision::F64 => Some(g),
+            Precision::F32 => Some(g.max(ROUNDED)),
+            _ => None,
+        });
         self.found.push(Finding {
             case: self.case.clone(),
             row: self.row.clone(),
@@ -103,6 +120,15 @@ impl Findings {
             pass: gate.is_none_or(|g| relative_error <= g),
             seconds: self.clock.elapsed().as_secs_f64(),
         });
+    }
+}
+
+/// A gate that is `tight` in 64 bits. In 32 bits a rounding in every step acts as a force of 2^-24 of the populations, which the flow
+/// answers with `gain` times that much: [`ROUNDED`] and this on top.
+pub fn gate_of(precision: Precision, tight: f64, gain: f64) -> f64 {
+    match precision {
+        Precision::F64 => tight,
+        _ => ROUNDED + gain * 2.0_f64.powi(-24),
     }
 }
 

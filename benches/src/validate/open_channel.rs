@@ -3,7 +3,7 @@
 use super::{Effort, Findings, Outcome};
 use crate::Fault;
 use lbm_ibm::coupling::{Bricks, Closure, Grid, Lattice, Macroscopic, UM, Vec3};
-use lbm_ibm::lbm::{Drive, Face, Fluid, Pace, Side};
+use lbm_ibm::lbm::{Drive, Face, Fluid, Pace, Precision, Side};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -15,13 +15,9 @@ fn key(part: &str) -> BTreeMap<String, String> {
     BTreeMap::from([("part".to_owned(), part.to_owned())])
 }
 
-fn fluid(shape: [usize; 3], periodic: [bool; 3], tau: f64) -> Result<Fluid, Fault> {
-    Ok(Fluid::new(
-        Grid::new(shape, UM, periodic),
-        DENSITY,
-        VISCOSITY,
-        Pace::Tau(tau),
-    )?)
+fn fluid(shape: [usize; 3], periodic: [bool; 3], tau: f64, precision: Precision) -> Result<Fluid, Fault> {
+    let grid = Grid::new(shape, UM, periodic);
+    Ok(Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(tau))?.with_precision(precision))
 }
 
 fn run(fluid: &mut Fluid, steps: usize) -> Result<Macroscopic, Fault> {
@@ -34,9 +30,9 @@ fn run(fluid: &mut Fluid, steps: usize) -> Result<Macroscopic, Fault> {
 
 /// Flow between plates from one pressure to another, without inertia: greatest error of velocity and pressure, over the
 /// greatest of each.
-fn plates(tau: f64) -> Result<[f64; 2], Fault> {
+fn plates(tau: f64, precision: Precision) -> Result<[f64; 2], Fault> {
     let (n, length, drop) = (8, 12, 1e-3);
-    let mut fluid = fluid([length, n, 1], [false, false, true], tau)?
+    let mut fluid = fluid([length, n, 1], [false, false, true], tau, precision)?
         .with_inertia(false)
         .with_face(0, Side::Low, Face::Pressure(drop))?
         .with_face(0, Side::High, Face::Pressure(0.0))?;
@@ -70,14 +66,14 @@ struct Duct {
 }
 
 impl Duct {
-    fn new(n: usize) -> Result<Self, Fault> {
+    fn new(n: usize, precision: Precision) -> Result<Self, Fault> {
         let length = 4 * n;
-        let mut whole = fluid([1, n, n], [true, false, false], 1.0)?.with_inertia(false);
+        let mut whole = fluid([1, n, n], [true, false, false], 1.0, precision)?.with_inertia(false);
         whole = whole.with_drive(Drive::Force(Vec3::x() * 10.0))?;
         let settled = 8 * n * n;
         let developed = run(&mut whole, settled)?.velocity;
         let flux = whole.superficial_velocity().x * (n * n) as f64 * UM * UM;
-        let mut open = fluid([length, n, n], [false; 3], 1.0)?
+        let mut open = fluid([length, n, n], [false; 3], 1.0, precision)?
             .with_inertia(false)
             .with_face(0, Side::Low, Face::Flux(flux))?
             .with_face(0, Side::High, Face::Pressure(0.0))?;
@@ -120,11 +116,10 @@ impl Duct {
 
 /// Half a channel with a step on its floor, beside a plane of symmetry, against the whole: greatest difference of velocities over
 /// the greatest velocity.
-fn half_channel() -> Result<f64, Fault> {
+fn half_channel(precision: Precision) -> Result<f64, Fault> {
     let flow = |half: bool| -> Result<(Vec<f64>, usize), Fault> {
         let n = if half { 8 } else { 16 };
-        let grid = Grid::new([24, n, 4], UM, [true, false, true]);
-        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(0.6))?;
+        let mut fluid = fluid([24, n, 4], [true, false, true], 0.6, precision)?;
         if half {
             fluid.set_face(1, Side::High, Face::Symmetry)?;
         }
@@ -151,11 +146,11 @@ fn half_channel() -> Result<f64, Fault> {
 
 /// A vortex of 5 cells that a stream carries out of a box of 48 by 48 cells: the greatest root mean square difference of the
 /// velocities, while it leaves and after, from those in a box three times as long, over the vortex's greatest velocity.
-fn vortex(end: impl Fn(f64) -> Face) -> Result<f64, Fault> {
+fn vortex(precision: Precision, end: impl Fn(f64) -> Face) -> Result<f64, Fault> {
     const N: usize = 48;
     let speed = 0.05;
     let make = |length: usize, end: &dyn Fn(f64) -> Face| -> Result<Fluid, Fault> {
-        let mut fluid = fluid([length, N, 1], [false, true, true], 0.52)?;
+        let mut fluid = fluid([length, N, 1], [false, true, true], 0.52, precision)?;
         let stream = speed * UM / fluid.time_step();
         fluid.set_face(0, Side::Low, Face::velocity(move |_| Vec3::x() * stream))?;
         fluid.set_face(0, Side::High, end(stream))?;
@@ -187,25 +182,36 @@ fn vortex(end: impl Fn(f64) -> Face) -> Result<f64, Fault> {
 /// periodic duct, what goes out is what goes in within 1e-6, and the mass is what has flowed in less what has flowed out to
 /// 1e-9. Half a channel is the half of the whole to 1e-10. A vortex leaves by a convective face with less than 0.5 % of its velocity coming
 /// back; a pressure face is reported.
-pub fn open_channel(_effort: Effort) -> Outcome {
-    let mut findings = Findings::of("open_channel");
+pub fn open_channel(effort: Effort) -> Outcome {
+    let mut findings = Findings::of("open_channel").stored(effort.precision);
     findings.begin(key("between pressures"));
     for tau in [0.6, 1.0, 2.5] {
-        let [velocity, pressure] = plates(tau)?;
+        let [velocity, pressure] = plates(tau, effort.precision)?;
         findings.check_scaled(&format!("velocity, tau {tau}"), velocity, 0.0, 1.0, 1e-9);
         findings.check_scaled(&format!("pressure, tau {tau}"), pressure, 0.0, 1.0, 1e-9);
     }
     findings.begin(key("flux to pressure"));
-    let duct = Duct::new(16)?;
+    let duct = Duct::new(16, effort.precision)?;
     findings.check_scaled("profile", duct.profile, 0.0, 1.0, 1e-4);
     findings.check("pressure gradient", duct.gradient, 1.0, 1e-4);
     findings.check("out over in", duct.out, 1.0, 1e-6);
-    findings.check_scaled("mass less what flowed in", duct.mass, 0.0, 1.0, 1e-9);
+    if effort.precision == Precision::F64 {
+        findings.check_scaled("mass less what flowed in", duct.mass, 0.0, 1.0, 1e-9);
+    } else {
+        // Rounding is no exchange between nodes: it adds up over the steps.
+        findings.report("mass less what flowed in", duct.mass, 0.0, 1.0);
+    }
     findings.report("greatest excess of mass", duct.excess, 0.0, 1.0);
     findings.begin(key("half a channel"));
-    findings.check_scaled("velocity", half_channel()?, 0.0, 1.0, 1e-10);
+    findings.check_scaled("velocity", half_channel(effort.precision)?, 0.0, 1.0, 1e-10);
     findings.begin(key("vortex that leaves"));
-    findings.check_scaled("convective", vortex(Face::Convective)?, 0.0, 1.0, 5e-3);
-    findings.report("pressure", vortex(|_| Face::Pressure(0.0))?, 0.0, 1.0);
+    findings.check_scaled(
+        "convective",
+        vortex(effort.precision, Face::Convective)?,
+        0.0,
+        1.0,
+        5e-3,
+    );
+    findings.report("pressure", vortex(effort.precision, |_| Face::Pressure(0.0))?, 0.0, 1.0);
     Ok(findings)
 }

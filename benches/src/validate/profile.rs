@@ -2,7 +2,7 @@
 
 use lbm_ibm::coupling::{Bricks, Lattice, Vec3};
 use lbm_ibm::coupling::{FluidError, Grid};
-use lbm_ibm::lbm::{Collision, Drive, Fluid, LbmError, Pace};
+use lbm_ibm::lbm::{Collision, Drive, Fluid, LbmError, Pace, Precision};
 use std::f64::consts::PI;
 
 /// Water on a grid of 1 um.
@@ -11,6 +11,9 @@ const VISCOSITY: f64 = 1e-3;
 const SPACING: f64 = 1e-6;
 /// Greatest velocity, lattice units: far below where terms of second order show.
 const SPEED: f64 = 1e-7;
+
+/// Changes over the greatest velocity that are rounding's in 32 bits.
+const ROUNDING: f64 = 1e-6;
 
 /// Flow along z under a uniform force density, in a channel that is one node long.
 ///
@@ -24,11 +27,13 @@ pub struct Channel {
 
 impl Channel {
     /// A channel of `nx` by `ny` cells between walls; one of a single cell in y is without end in y.
-    pub fn new(nx: usize, ny: usize, collision: Collision, tau: f64) -> Result<Self, LbmError> {
+    pub fn new(nx: usize, ny: usize, collision: Collision, tau: f64, precision: Precision) -> Result<Self, LbmError> {
         let periodic = [false, ny == 1, true];
         let grid = Grid::new([nx, ny, 1], SPACING, periodic);
         let bricks = Bricks::new(&grid);
-        let fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(tau))?.with_collision(collision)?;
+        let fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(tau))?
+            .with_collision(collision)?
+            .with_precision(precision);
         let narrow = if ny == 1 { nx } else { nx.min(ny) } as f64;
         let force = SPEED * SPACING / fluid.time_step() / (narrow * narrow / 8.0) * VISCOSITY / SPACING.powi(2);
         // The slowest mode of a channel that is far wider than high.
@@ -39,6 +44,11 @@ impl Channel {
             bricks,
             decay: (decay.ceil() as usize).max(10),
         })
+    }
+
+    /// Viscosity in lattice units.
+    pub fn lattice_viscosity(&self) -> f64 {
+        self.fluid.lattice_viscosity()
     }
 
     /// Starts from a velocity along z (in units of this channel) at x (in cells).
@@ -55,8 +65,13 @@ impl Channel {
     }
 
     /// Runs until no velocity changes by more than `tolerance` of the greatest while a disturbance decays by a factor
-    /// of e, at most 60 times that long.
+    /// of e, at most 60 times that long. In 32 bits or less rounding keeps velocities from changing by less than
+    /// [`ROUNDING`]: then five such times more.
     pub fn settle(&mut self, tolerance: f64) -> Result<Vec<f64>, FluidError> {
+        let (tolerance, mut more) = match self.fluid.precision() {
+            Precision::F64 => (tolerance, 0),
+            _ => (tolerance.max(ROUNDING), 5),
+        };
         let mut last = self.velocity();
         for _ in 0..60 {
             for _ in 0..self.decay {
@@ -67,7 +82,10 @@ impl Channel {
             let change = now.iter().zip(&last).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
             last = now;
             if change <= tolerance * greatest {
-                break;
+                if more == 0 {
+                    break;
+                }
+                more -= 1;
             }
         }
         Ok(last)
@@ -102,6 +120,18 @@ pub fn interpolate(field: &[f64], [nx, ny]: [usize; 2], [x, y]: [f64; 2]) -> f64
             .sum::<f64>()
     };
     wy.iter().enumerate().map(|(j, w)| w * row(j)).sum()
+}
+
+/// Value at `s` of the polynomial through the six of the `points` (place and value, in order) about it.
+pub fn through(points: &[[f64; 2]], s: f64) -> f64 {
+    let after = points.partition_point(|[x, _]| *x < s);
+    let first = after.saturating_sub(3).min(points.len().saturating_sub(6));
+    let six = &points[first..points.len().min(first + 6)];
+    let weight = |i: usize| -> f64 {
+        let others = six.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, [x, _])| (s - x) / (six[i][0] - x)).product()
+    };
+    six.iter().enumerate().map(|(i, [_, u])| weight(i) * u).sum()
 }
 
 /// Weights of `n` nodes (at i + 1/2) that integrate a cubic over the `n` cells: the midpoint rule, which alone leaves

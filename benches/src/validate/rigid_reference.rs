@@ -8,7 +8,7 @@ use crate::scenes::side_by_side;
 use lbm_ibm::coupling::nalgebra::{Isometry3, UnitQuaternion};
 use lbm_ibm::coupling::{Boundary, Closure, Grid, Plane, Scene, Union, Vec3};
 use lbm_ibm::ibm::{Buoyancy, DeltaExchange, Kernel, RigidBody};
-use lbm_ibm::lbm::{Drive, Fluid, Pace};
+use lbm_ibm::lbm::{Drive, Fluid, Pace, Precision};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -182,11 +182,15 @@ pub fn jeffery_orbit(table: &Table, effort: Effort) -> Outcome {
     Ok(findings)
 }
 
-/// A sphere of 15 mm released in the tank of ten Cate et al. until the floor slows it down. The file's `u_inf` is the speed
-/// in an unbounded fluid (it is Abraham's to 1 %), of which the tank takes some per cent: the greatest speed has to be
-/// within 5 % of `u_inf` about 0.95 of it.
+/// Greatest speed over `u_inf` that ten Cate et al. (2002) give for their four measured runs, E1 to E4. These are quoted from the paper's table as
+/// later work repeats it, not from the file.
+const MEASURED: [(&str, f64); 4] = [("E1", 0.947), ("E2", 0.953), ("E3", 0.959), ("E4", 0.955)];
+
+/// A sphere of 15 mm released in the tank of ten Cate et al. until the floor slows it down. `u_inf` is the paper's speed
+/// in an unbounded fluid by Abraham's relation (the file has that computed anew, to 1 %): the greatest speed has to be
+/// within 5 % of the measured one, by the paper's ratios.
 pub fn sphere_settling_ten_cate(table: &Table, effort: Effort) -> Outcome {
-    let mut findings = Findings::of(table.name());
+    let mut findings = Findings::of(table.name()).stored(effort.precision);
     let mut rows = Vec::new();
     for row in table.rows() {
         let case = row.text("case")?;
@@ -204,19 +208,24 @@ pub fn sphere_settling_ten_cate(table: &Table, effort: Effort) -> Outcome {
     }
     let cells = if effort.quick { 8.0 } else { 12.0 };
     let found = side_by_side(&rows, |(_, density, viscosity, speed)| {
-        settle(cells, *density, *viscosity, *speed)
+        settle(cells, *density, *viscosity, *speed, effort.precision)
     })?;
     for ((case, _, _, reference), (speed, seconds)) in rows.iter().zip(found) {
         findings.begin_done(key(&[("case", case.clone()), ("d_over_h", cells.to_string())]), seconds);
         findings.report("greatest speed", speed, *reference, *reference);
-        findings.check_scaled("greatest speed over u_inf", speed / reference, 0.95, 1.0, 0.05);
+        let ratio = MEASURED
+            .iter()
+            .find(|(c, _)| c == case)
+            .ok_or("a case that was not measured")?
+            .1;
+        findings.check("greatest speed over u_inf", speed / reference, ratio, 0.05);
     }
     Ok(findings)
 }
 
 /// Greatest speed (m/s) of ten Cate's sphere, `cells` spacings across, until it has slowed down by 3 % or come within half a
 /// diameter of the floor.
-fn settle(cells: f64, density: f64, viscosity: f64, expected: f64) -> Result<f64, Fault> {
+fn settle(cells: f64, density: f64, viscosity: f64, expected: f64, precision: Precision) -> Result<f64, Fault> {
     let (diameter, h) = (15e-3, 15e-3 / cells);
     let shape = [100e-3, 100e-3, 160e-3].map(|l: f64| (l / h).round() as usize);
     // At most a fiftieth of a spacing in a step, and tau of at most 1.5.
@@ -226,7 +235,8 @@ fn settle(cells: f64, density: f64, viscosity: f64, expected: f64) -> Result<f64
         density,
         viscosity,
         Pace::TimeStep(step),
-    )?;
+    )?
+    .with_precision(precision);
     let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL));
     let body = RigidBody::sphere(0.5 * diameter, 1120.0)?;
     let weight = Buoyancy::new(Vec3::z() * -9.81).with("sphere", body.excess_mass(density));
