@@ -104,6 +104,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("capsule_shear_contrast", Case::Rows(capsule::capsule_shear_contrast)),
     ("capsule_tube", Case::Rows(capsule::capsule_tube)),
     ("capsule_tube_profile", Case::Rows(capsule::capsule_tube_profile)),
+    ("drop_shear", Case::Alone(capsule::drop_shear)),
+    ("keller_skalak", Case::Alone(capsule::keller_skalak_period)),
     ("capsule_volume", Case::Alone(capsule::capsule_volume)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),

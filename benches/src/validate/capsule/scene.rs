@@ -7,7 +7,7 @@ use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Elasticity, Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
-use lbm_ibm::membrane::{Cell, MembraneError, Mesh, laws};
+use lbm_ibm::membrane::{Cell, MembraneError, Mesh};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -27,10 +27,14 @@ const LOOK_EVERY: usize = 10;
 pub struct Capsule {
     /// Its membrane.
     pub material: Material,
-    /// Capillary number, viscosity times shear rate times radius over shear modulus.
+    /// Capillary number, viscosity times shear rate times radius over shear modulus (a drop: over tension).
     pub capillary: f64,
     /// Radius in grid spacings.
     pub radius: f64,
+    /// Semi-axes at rest over the radius: in the plane of shear, and along the vorticity.
+    pub axes: [f64; 3],
+    /// Angle of the first one with the flow at the start, degrees.
+    pub angle: f64,
     /// Edge of the box in radii: between the plates, along the flow and across.
     pub size: [f64; 3],
     /// Shear rate times time step.
@@ -68,13 +72,14 @@ impl Capsule {
     fn cell(&self, rate: f64) -> Result<Cell, MembraneError> {
         let radius = self.radius * H;
         let meshed = radius - self.inset * H;
-        let mesh = Arc::new(Mesh::sphere(meshed, self.nodes)?);
+        let mesh = Arc::new(if self.axes == [1.0; 3] {
+            Mesh::sphere(meshed, self.nodes)?
+        } else {
+            Mesh::ellipsoid(Vec3::from(self.axes.map(|a| a * radius - self.inset * H)), self.nodes)?
+        });
         let shear = VISCOSITY * rate * radius / self.capillary;
         let cell = Cell::new("capsule", mesh.clone()).with_viscosity_ratio(self.ratio)?;
-        let cell = match self.material {
-            Material::NeoHookean => cell.with_law(laws::NeoHookean::new(&mesh, shear)?),
-            Material::Skalak(ratio) => cell.with_law(laws::Skalak::new(&mesh, shear, ratio)?),
-        };
+        let cell = self.material.around(cell, &mesh, shear)?;
         Ok(if self.holds_volume {
             cell.with_constant_volume()
         } else {
@@ -107,7 +112,7 @@ impl Capsule {
             .with(Plane::new(Vec3::y() * (middle.y + half), -Vec3::y()).with_velocity(Vec3::x() * (rate * half)));
         scene.set_walls(Arc::new(walls))?;
         scene.set_elasticity(self.elasticity);
-        let pose = Isometry3::translation(middle.x, middle.y, middle.z);
+        let pose = Isometry3::new(middle, Vec3::z() * self.angle.to_radians());
         scene.add_body(self.cell(rate)?, &pose)?;
         Ok(Sheared {
             scene,

@@ -77,6 +77,8 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
         material,
         capillary,
         radius,
+        axes: [1.0; 3],
+        angle: 0.0,
         size: [size; 3],
         // The pressure in the capsule is that of the viscosity times the rate over the capillary number, and the fluid yields
         // to it a little.

@@ -8,7 +8,7 @@ use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Boundary, Grid, Guard, Probe, Scene, SceneError, Soa3, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Drive, Fluid, Pace};
-use lbm_ibm::membrane::{Cell, Mesh, laws};
+use lbm_ibm::membrane::{Cell, Mesh};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -159,10 +159,7 @@ impl Tube {
         let mesh = Arc::new(Mesh::sphere(size - inset, nodes)?);
         let shear = VISCOSITY * mean / self.capillary;
         let cell = Cell::new("capsule", mesh.clone());
-        let cell = match self.material {
-            Material::NeoHookean => cell.with_law(laws::NeoHookean::new(&mesh, shear)?),
-            Material::Skalak(ratio) => cell.with_law(laws::Skalak::new(&mesh, shear, ratio)?),
-        };
+        let cell = self.material.around(cell, &mesh, shear)?;
         let pose = Isometry3::translation(centre.x, centre.y, centre.z);
         let id = scene.add_body(cell.with_constant_volume(), &pose)?;
         let narrow = (FITS / self.ratio).min(1.0);
