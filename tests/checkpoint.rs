@@ -15,6 +15,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 type Built = Result<Scene, Box<dyn Error>>;
+type Build = fn() -> Built;
 
 const STEPS: usize = 7;
 
@@ -148,7 +149,7 @@ fn overdamped() -> Built {
     Ok(scene)
 }
 
-const SCENES: &[(&str, fn() -> Built)] = &[
+const SCENES: &[(&str, Build)] = &[
     ("cells between walls", cells_between_walls),
     ("implicit elasticity", implicit),
     ("rigid beads", beads),
@@ -206,7 +207,7 @@ fn a_body_that_was_let_go_goes_on() -> Result<(), Box<dyn Error>> {
 #[test]
 fn what_does_not_fit_is_named() -> Result<(), Box<dyn Error>> {
     let saved = overdamped()?.save()?;
-    let refused = |bytes: &[u8], build: fn() -> Built| -> Result<StateError, Box<dyn Error>> {
+    let refused = |bytes: &[u8], build: Build| -> Result<StateError, Box<dyn Error>> {
         let mut scene = build()?;
         let before = scene.save()?;
         match scene.restore(bytes) {
@@ -229,7 +230,7 @@ fn what_does_not_fit_is_named() -> Result<(), Box<dyn Error>> {
     assert_eq!(refused(&newer, overdamped)?, StateError::Version { found: 9, known: 1 });
     let error = refused(&saved, beads)?.to_string();
     assert!(error.contains("the time step") && error.contains("1e-7"), "{error}");
-    let another: fn() -> Built = || {
+    let another: Build = || {
         let mut scene = Scene::without_fluid(1e-7)?;
         let mesh = Arc::new(Mesh::sphere(4.1 * UM, 162)?);
         scene.add_body(
