@@ -14,5 +14,5 @@ mod two_rates;
 pub use basis::Basis;
 pub use central::CentralMoments;
 pub use mrt::{Mrt, MrtRates};
-pub use regularised::{RecursiveRegularised, Regularised};
+pub use regularised::{RecursiveRegularised, Regularised, StressAlone};
 pub use two_rates::TwoRates;
