@@ -272,7 +272,7 @@ impl Fluid {
         Faces::check(&self.grid, axis, &face)?;
         self.faces.0[axis][side as usize] = face;
         self.mask.walled = self.faces.walled();
-        self.link();
+        self.relink();
         match self.links.openings.fault_without_balance() {
             Some(fault) => Err(fault.into()),
             None => Ok(()),
