@@ -6,13 +6,17 @@
 //! of the link into that one; then what is added is found for all links before any is changed.
 
 use crate::drive::Balance;
+use crate::element::{Element, Half, Precision};
 use crate::links::Cut;
-use crate::stencil::opposite;
+use crate::simd::prefetch;
+use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
 
 /// In place of the number of the node behind, where there is none.
 const NONE: u32 = u32::MAX;
+/// Links from one to that whose places are asked for.
+const AHEAD: usize = 24;
 
 /// Links into walls to which something is added, in the order of their nodes.
 #[derive(Default)]
@@ -181,30 +185,45 @@ impl Marks {
     /// What interpolation adds to link `n`.
     ///
     /// # Safety
-    /// Its node and the one behind have taken the step, and nobody writes to their places.
+    /// Its node and the one behind have taken the step, and nobody writes to their places. Numbers are stored as `S`.
     #[inline(always)]
-    unsafe fn interpolated(&self, pass: Pass, n: usize) -> f64 {
+    unsafe fn interpolated<S: Element>(&self, pass: Pass, n: usize) -> f64 {
         if self.arriving.is_empty() || (self.arriving[n] == 0.0 && self.leaving.get(n).is_none_or(|l| *l == 0.0)) {
             return 0.0;
         }
         let ((node, i), arrays) = (self.link(n), pass.storage.arrays());
+        let data = pass.storage.data().cast::<S>();
         // SAFETY: all are places of nodes.
         unsafe {
-            let near = pass.storage.read(arrays[opposite(i)] + node);
+            let get = |place: usize| (*data.add(place)).get();
+            let near = get(arrays[opposite(i)] + node);
             // Where a wall is behind, what left this one waits at that one in either step.
             let far = match self.behind[n] {
                 NONE => near,
-                node => pass.storage.read(arrays[i] + node as usize),
+                node => get(arrays[i] + node as usize),
             };
             let (arriving, leaving) = if pass.odd { (near, far) } else { (far, near) };
             let more = match self.leaving.get(n) {
                 None => self.arriving[n] * (arriving - leaving),
                 Some(share) => {
-                    let own = pass.storage.read(arrays[i] + node);
+                    let own = get(arrays[i] + node);
                     self.arriving[n] * (arriving - own) + share * (leaving - own)
                 }
             };
             more - pass.shrink * self.swells[n]
+        }
+    }
+
+    /// Asks for the places of a link that comes later.
+    #[inline(always)]
+    fn fetch<S: Element>(&self, pass: Pass, n: usize) {
+        if n < self.behind.len() {
+            let ((node, i), arrays) = (self.link(n), pass.storage.arrays());
+            let data = pass.storage.data().cast::<S>();
+            let behind = self.behind[n] as usize;
+            for place in [arrays[i] + node, arrays[opposite(i)] + node, arrays[i] + behind] {
+                prefetch(data.wrapping_add(place));
+            }
         }
     }
 
@@ -215,7 +234,18 @@ impl Marks {
     pub unsafe fn find(&self, pass: Pass, first: usize, more: &mut [f64]) {
         for (n, more) in (first..).zip(more) {
             // SAFETY: the caller's.
-            *more = unsafe { self.interpolated(pass, n) };
+            *more = unsafe { self.any_interpolated(pass, n) };
+        }
+    }
+
+    unsafe fn any_interpolated(&self, pass: Pass, n: usize) -> f64 {
+        // SAFETY: the caller's.
+        unsafe {
+            match pass.storage.precision() {
+                Precision::F64 => self.interpolated::<f64>(pass, n),
+                Precision::F32 => self.interpolated::<f32>(pass, n),
+                Precision::F16 => self.interpolated::<Half>(pass, n),
+            }
         }
     }
 
@@ -224,21 +254,41 @@ impl Marks {
     /// # Safety
     /// Their nodes and those behind have taken the step, and nothing else touches their places.
     pub unsafe fn add(&self, pass: Pass, links: Range<usize>, kept: &[f64]) -> Balance {
+        // SAFETY: the caller's.
+        unsafe {
+            match pass.storage.precision() {
+                Precision::F64 => self.add_to::<f64>(pass, links, kept),
+                Precision::F32 => self.add_to::<f32>(pass, links, kept),
+                Precision::F16 => self.add_to::<Half>(pass, links, kept),
+            }
+        }
+    }
+
+    unsafe fn add_to<S: Element>(&self, pass: Pass, links: Range<usize>, kept: &[f64]) -> Balance {
         let (arrays, velocities) = (pass.storage.arrays(), pass.storage.velocities());
+        let data = pass.storage.data().cast::<S>();
         let mut balance = Balance::default();
+        // Of each population, what was added.
+        let mut sums = [0.0; MAX_Q];
         for n in links {
+            self.fetch::<S>(pass, n + AHEAD);
             let (node, i) = self.link(n);
-            let place = arrays[i] + node;
             // SAFETY: the place is this link's; the rest is the caller's.
-            let added = unsafe {
-                let more = kept.get(n).copied().unwrap_or_else(|| self.interpolated(pass, n));
+            unsafe {
+                let more = match kept.get(n) {
+                    Some(more) => *more,
+                    None => self.interpolated::<S>(pass, n),
+                };
                 balance.gained += more;
                 let added = more + self.pushes.get(n).copied().unwrap_or(0.0);
-                pass.storage.write(place, pass.storage.read(place) + added);
-                added
-            };
-            for a in 0..3 {
-                balance.walls[a] += f64::from(velocities.c(i)[a]) * added;
+                let place = data.add(arrays[i] + node);
+                *place = S::near((*place).get() + added);
+                sums[i] += added;
+            }
+        }
+        for (i, sum) in sums.iter().enumerate().take(velocities.q()) {
+            for (wall, c) in balance.walls.iter_mut().zip(velocities.c(i)) {
+                *wall += f64::from(c) * sum;
             }
         }
         balance
@@ -250,7 +300,7 @@ impl Marks {
     /// Nobody writes to the populations.
     pub unsafe fn added(&self, pass: Pass, n: usize, kept: &[f64]) -> f64 {
         // SAFETY: the caller's; where nothing is kept, the places that it depends on have not been changed since.
-        let more = unsafe { kept.get(n).copied().unwrap_or_else(|| self.interpolated(pass, n)) };
+        let more = unsafe { kept.get(n).copied().unwrap_or_else(|| self.any_interpolated(pass, n)) };
         more + self.pushes.get(n).copied().unwrap_or(0.0)
     }
 }
