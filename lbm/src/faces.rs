@@ -273,7 +273,7 @@ impl Fluid {
         self.grid.open[axis][side as usize] = !matches!(face, Face::Wall);
         self.faces.0[axis][side as usize] = face;
         self.mask.walled = self.faces.walled();
-        self.link();
+        self.relink();
         match self.links.openings.fault_without_balance() {
             Some(fault) => Err(fault.into()),
             None => Ok(()),

@@ -12,6 +12,7 @@ use crate::links::Links;
 use crate::mask::{Mask, NarrowGaps};
 use crate::relaxation::{Collision, VelocitySet};
 use crate::rule::{LinkRule, WallRule};
+use crate::state::pays_to_pack;
 use crate::storage::Storage;
 use crate::thermal::Thermal;
 use lbm_ibm_coupling::{Boundary, Grid, Lattice, Vec3};
@@ -76,6 +77,12 @@ pub struct Fluid {
     pub(crate) balances: Vec<Balance>,
     /// What thin walls have sent and got in the last step.
     pub(crate) exchanged: Vec<Exchanged>,
+    /// What interpolation has added to the marked links of packed nodes in the last step, where that is kept.
+    pub(crate) more: Vec<f64>,
+    /// Packed nodes that are collided before links are seen to.
+    pub(crate) slab: usize,
+    /// Velocity, lattice units, by which interpolated walls gave way in the last step.
+    pub(crate) shrink: f64,
     /// Mass that interpolated links have gained and not given back, after the last step and the one before, lattice units.
     pub(crate) owed: [f64; 2],
     pub(crate) odd: bool,
@@ -129,7 +136,8 @@ impl Fluid {
         }
         let mask = Mask::new(&grid, None, 0.0)?;
         mask.narrowest(&grid, None, 0.0, NarrowGaps::default())?;
-        let storage = Storage::new(&grid, &mask, kernel.velocities(), precision);
+        let packed = pays_to_pack(&mask, kernel.velocities());
+        let storage = Storage::new(&grid, &mask, kernel.velocities(), precision, packed);
         let mut fluid = Self {
             density,
             viscosity,
@@ -151,6 +159,9 @@ impl Fluid {
             links: Links::default(),
             balances: Vec::new(),
             exchanged: Vec::new(),
+            more: Vec::new(),
+            slab: 0,
+            shrink: 0.0,
             owed: [0.0; 2],
             odd: false,
             at_rest: true,

@@ -72,6 +72,31 @@ impl Intervals {
         all
     }
 
+    /// Those of the fluid nodes alone, one after the other: the same for all populations of packed nodes ([`crate::packed`]).
+    pub fn packed(grid: &Grid, mask: &Mask) -> Self {
+        let [_, ny, nz] = grid.shape.map(|n| n as isize);
+        let mut all = Self {
+            first: vec![0],
+            starts: Vec::new(),
+            len: 0,
+        };
+        let mut used: Vec<[isize; 2]> = Vec::new();
+        for k in -1..=nz {
+            for j in -1..=ny {
+                used.clear();
+                if (0..ny).contains(&j) && (0..nz).contains(&k) {
+                    add_runs(mask.row(j as usize, k as usize), 0, &mut used);
+                }
+                for &[start, end] in &used {
+                    all.starts.push([start as i32, (all.len as isize - start) as i32]);
+                    all.len += (end - start) as usize;
+                }
+                all.first.push(all.starts.len() as u32);
+            }
+        }
+        all
+    }
+
     fn add_row(&mut self, used: &[[isize; 2]], unit: usize) {
         let mut parts = used.iter().copied().peekable();
         while let Some([start, mut end]) = parts.next() {

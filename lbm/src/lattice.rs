@@ -16,13 +16,13 @@ use lbm_ibm_coupling::{
 use std::sync::Arc;
 
 /// With fewer nodes a step is over before a second thread has woken up.
-const FEW_NODES: usize = 8192;
+pub const FEW_NODES: usize = 8192;
 /// Fraction of the mass that interpolated links have gained which they give back in a step.
-const PAYBACK: f64 = 1.0 / 256.0;
+pub const PAYBACK: f64 = 1.0 / 256.0;
 /// Numbers of steps that a sweep may take.
 const SWEEPS: [usize; 5] = [8, 6, 4, 3, 2];
-/// Rows that a thread takes at a time.
-const PIECE: usize = 16;
+/// Rows, or batches of packed nodes, that a thread takes at a time.
+pub const PIECE: usize = 16;
 
 impl Lattice for Fluid {
     fn grid(&self) -> &Grid {
@@ -58,7 +58,7 @@ impl Lattice for Fluid {
         Ok(WallReport {
             fluid_nodes: self.mask.fluid_nodes,
             solid_nodes: self.grid.len() - self.mask.fluid_nodes,
-            wall_links: self.links.walls.len() - self.links.openings.links.len(),
+            wall_links: self.links.wall_links() - self.links.openings.links.len(),
             narrowest,
             filled_nodes,
             uninterpolated_links: self.links.uninterpolated,
@@ -89,14 +89,7 @@ impl Lattice for Fluid {
     fn advance(&mut self, bricks: &Bricks) -> Result<(), FluidError> {
         self.start_step();
         self.read_faces()?;
-        let mut balances = std::mem::take(&mut self.balances);
-        let step = self.step(bricks);
-        let (few, odd) = (self.mask.fluid_nodes < FEW_NODES, self.odd);
-        parallel::for_pieces(few, &mut balances, PIECE, |first, balances| {
-            // SAFETY: each row is worked on once, and `self` is exclusive.
-            unsafe { step.rows(first, balances, odd) }
-        });
-        self.balances = balances;
+        self.collide(bricks);
         // SAFETY: all rows are done, and `self` is exclusive.
         unsafe { self.links.openings.write(&self.storage, self.odd) };
         self.interpolate();
@@ -210,11 +203,12 @@ impl Fluid {
         }
     }
 
-    fn step<'a>(&'a self, bricks: &'a Bricks) -> Step<'a> {
+    pub(crate) fn step<'a>(&'a self, bricks: &'a Bricks) -> Step<'a> {
         Step {
             storage: &self.storage,
             links: &self.links,
             kernel: &*self.kernel,
+            isa: self.isa,
             inside: &self.inner.inside,
             levels: &self.inner.kernels,
             bricks,
@@ -232,6 +226,7 @@ impl Fluid {
             && !self.drive.is_flux()
             && self.thermal.is_none()
             && self.links.cuts.is_empty()
+            && !self.links.marks.interpolate()
             && self.links.thin.is_empty()
             && self.links.openings.links.is_empty()
             && self.links.openings.fault.is_none()
@@ -269,27 +264,31 @@ impl Fluid {
 
     /// Sends populations back from walls that are not half way or thinner than a cell.
     fn interpolate(&mut self) {
-        let Links { cuts, thin, .. } = &self.links;
-        if cuts.is_empty() && thin.is_empty() {
+        let Links { cuts, thin, marks, .. } = &self.links;
+        if cuts.is_empty() && thin.is_empty() && marks.is_empty() {
             return;
         }
-        // Averaged over two steps, or it would feed what changes sign in every step.
-        let owed = 0.5 * (self.owed[0] + self.owed[1]);
-        let shrink = if self.links.swell > 0.0 {
-            PAYBACK * owed / self.links.swell
-        } else {
-            0.0
-        };
+        let mut more = std::mem::take(&mut self.more);
+        let pass = self.pass(self.odd);
+        parallel::for_pieces(more.len() < FEW_NODES, &mut more, FEW_NODES, |first, more| {
+            // SAFETY: all nodes are done, and nothing is written.
+            unsafe { self.links.marks.find(pass, first, more) }
+        });
+        let (odd, shrink) = (pass.odd, pass.shrink);
+        self.more = more;
+        let Links { cuts, thin, .. } = &self.links;
         let interpolate = Interpolate {
             storage: &self.storage,
             links: &self.links,
-            odd: self.odd,
+            odd,
             shrink,
         };
-        parallel::for_pieces(cuts.len() < FEW_NODES, &mut self.balances, PIECE, |first, balances| {
-            // SAFETY: all rows are done, each is worked on once, and `self` is exclusive.
-            unsafe { interpolate.rows(first, balances) }
-        });
+        if self.links.packed.is_none() {
+            parallel::for_pieces(cuts.len() < FEW_NODES, &mut self.balances, PIECE, |first, balances| {
+                // SAFETY: all rows are done, each is worked on once, and `self` is exclusive.
+                unsafe { interpolate.rows(first, balances) }
+            });
+        }
         parallel::for_pieces(
             thin.len() < FEW_NODES,
             &mut self.exchanged,
@@ -299,8 +298,11 @@ impl Fluid {
                 unsafe { interpolate.thin(first, exchanged) }
             },
         );
+        if !self.more.is_empty() {
+            self.add_marks(0..self.balances.len());
+        }
         let gained = self.balances.iter().map(|b| b.gained).sum::<f64>();
-        let gained = gained + thin_balance(thin, &self.exchanged, self.storage.velocities()).gained;
+        let gained = gained + thin_balance(&self.links.thin, &self.exchanged, self.storage.velocities()).gained;
         self.owed = [self.owed[0] + gained, self.owed[0]];
     }
 

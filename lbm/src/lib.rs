@@ -12,6 +12,7 @@
 //! the even step has left them, and leaves the collided ones where the next even step finds them. Only fluid nodes are
 //! touched. Results do not depend on the number of threads, to the last bit.
 
+mod batch;
 mod choice;
 mod collide;
 mod developed;
@@ -19,6 +20,7 @@ mod drive;
 mod element;
 mod error;
 mod faces;
+mod ferry;
 mod fluid;
 mod inner;
 mod interpolate;
@@ -29,12 +31,15 @@ mod lattice;
 mod links;
 mod loads;
 mod maker;
+mod marks;
 mod mask;
 mod memory;
 mod model;
 pub mod models;
 mod open;
 mod open_links;
+mod pack;
+mod packed;
 mod parallel;
 mod reading;
 mod real;
@@ -42,6 +47,7 @@ mod relaxation;
 mod rule;
 mod save;
 mod simd;
+mod slabs;
 mod stable;
 mod state;
 mod stencil;

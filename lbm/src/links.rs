@@ -11,7 +11,9 @@
 //! to the others, come after all rows have collided; see [`crate::interpolate`].
 
 use crate::collide::Places;
+use crate::marks::Marks;
 use crate::open::Openings;
+use crate::packed::Packed;
 use crate::rule::Shares;
 use crate::stencil::Velocities;
 use crate::storage::Storage;
@@ -107,6 +109,10 @@ pub struct Links {
     pub uninterpolated: usize,
     /// Gaps without a node.
     pub closed_gaps: usize,
+    /// Places and links of packed nodes, which have none of `places`, `walls`, `cuts` and wraps.
+    pub packed: Option<Packed>,
+    /// What is added to the links of packed nodes.
+    pub marks: Marks,
 }
 
 impl Links {
@@ -118,11 +124,16 @@ impl Links {
         &self.places[first..][..self.q]
     }
 
-    /// The same as pointers.
+    /// The same as pointers; of packed nodes those before an even step.
     #[inline]
     pub fn pointers(&self, run: usize, odd: bool, storage: &Storage, to: &mut Places) {
         let (arrays, data) = (storage.arrays(), storage.data());
         let bytes = storage.precision().bytes() as isize;
+        if let Some(packed) = &self.packed {
+            let shift = packed.starts[run] as isize - self.runs[run].start as isize;
+            *to = packed.own(storage, 0).map(|p| p.wrapping_offset(shift * bytes));
+            return;
+        }
         let turned = usize::from(odd);
         for (i, place) in self.places(run, odd).iter().enumerate() {
             // The opposite population is the neighbour in its pair.
@@ -136,6 +147,16 @@ impl Links {
     pub fn row_at(&self, j: usize, k: usize) -> Option<usize> {
         let row = self.row_at.get(k * self.ny + j).copied().unwrap_or(NO_ROW);
         (row != NO_ROW).then_some(row as usize)
+    }
+
+    /// Links into walls and through open faces.
+    pub fn wall_links(&self) -> usize {
+        self.packed.as_ref().map_or(self.walls.len(), |p| p.links)
+    }
+
+    /// What balances are summed over in a step: rows, or batches of packed nodes.
+    pub fn pieces(&self) -> usize {
+        self.packed.as_ref().map_or(self.rows.len(), Packed::batches)
     }
 
     pub(crate) fn ends(&self) -> [usize; 5] {

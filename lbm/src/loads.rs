@@ -12,7 +12,7 @@ struct Loads<'a> {
     parts: Vec<Wrench>,
 }
 
-impl Loads<'_> {
+impl<'a> Loads<'a> {
     /// A link of `node` against direction `i`, cut at a fraction of its length, with the outgoing and the returning
     /// population.
     fn add(&mut self, [x, j, k]: [usize; 3], i: usize, fraction: f64, [outgoing, returning]: [f64; 2]) {
@@ -30,6 +30,75 @@ impl Loads<'_> {
         self.parts[part].force += force;
         self.parts[part].torque += grid.domain().shortest(at - self.about).cross(&force);
     }
+
+    /// Links of the rows.
+    fn add_rows(&mut self) {
+        let fluid = self.fluid;
+        let mut links = fluid.links.walls.iter().zip(&fluid.links.directions).enumerate();
+        let mut open = fluid.links.openings.links.iter().map(|o| o.wall).peekable();
+        for (node, i) in self.walls() {
+            let Some((n, (link, direction))) = links.next() else {
+                return;
+            };
+            debug_assert_eq!(usize::from(*direction), i);
+            if open.next_if_eq(&n).is_some() {
+                continue;
+            }
+            let fraction = fluid.links.fractions.get(n).copied().unwrap_or(0.5);
+            let (ghost, home) = (fluid.storage.get(link.ghost), fluid.storage.get(link.home));
+            // After an even step what goes out stands at home, after an odd one what returns.
+            let exchanged = if fluid.odd { [home, ghost] } else { [ghost, home] };
+            self.add(node, i, fraction, exchanged);
+        }
+    }
+
+    /// Links of packed nodes: what returns waits in the one place of a link, and what went out is that without what was added.
+    fn add_packed(&mut self) {
+        let Fluid {
+            links, storage, more, ..
+        } = self.fluid;
+        let (marks, surface) = (&links.marks, self.fluid.surface());
+        let pass = self.fluid.pass(!self.fluid.odd);
+        let interpolates = self.fluid.wall_rule.interpolates();
+        let mut mark = 0;
+        for (node, i) in self.walls() {
+            let [x, j, k] = node.map(|n| n as isize);
+            let number = storage.place(0, x, j, k) as usize;
+            let returning = storage.get(storage.arrays()[i] + number);
+            let mut added = 0.0;
+            if mark < marks.len() && marks.link(mark) == (number, i) {
+                // SAFETY: nobody writes, for the fluid is shared.
+                added = unsafe { marks.added(pass, mark, more) };
+                mark += 1;
+            }
+            let fraction = if interpolates {
+                surface.meeting(node, i).fraction
+            } else {
+                0.5
+            };
+            self.add(node, i, fraction, [returning - added, returning]);
+        }
+    }
+
+    /// Nodes beside walls, each with the populations that come back to it, in the order of links.
+    fn walls(&self) -> impl Iterator<Item = ([usize; 3], usize)> + use<'a> {
+        let Fluid {
+            links, storage, mask, ..
+        } = self.fluid;
+        let nodes = links.rows.iter().flat_map(move |row| {
+            let nodes = links.runs[row.runs.clone()].iter().cloned().flatten();
+            nodes.map(move |x| [x, row.j, row.k])
+        });
+        nodes.flat_map(move |node| {
+            (1..storage.velocities().q())
+                .filter(move |&i| {
+                    let c = storage.velocities().c(i);
+                    let [x, y, z] = std::array::from_fn(|a| node[a] as isize - c[a] as isize);
+                    mask.is_solid(x, y, z)
+                })
+                .map(move |i| (node, i))
+        })
+    }
 }
 
 impl Fluid {
@@ -45,30 +114,10 @@ impl Fluid {
             about,
             parts: Vec::new(),
         };
-        let mut links = self.links.walls.iter().zip(&self.links.directions).enumerate();
-        let mut open = self.links.openings.links.iter().map(|o| o.wall).peekable();
-        for row in &self.links.rows {
-            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
-                for i in 1..self.storage.velocities().q() {
-                    let [cx, cy, cz] = self.storage.velocities().c(i).map(|c| c as isize);
-                    let behind = [x as isize - cx, row.j as isize - cy, row.k as isize - cz];
-                    if !self.mask.is_solid(behind[0], behind[1], behind[2]) {
-                        continue;
-                    }
-                    let Some((n, (link, direction))) = links.next() else {
-                        return loads.parts;
-                    };
-                    debug_assert_eq!(usize::from(*direction), i);
-                    if open.next_if_eq(&n).is_some() {
-                        continue;
-                    }
-                    let fraction = self.links.fractions.get(n).copied().unwrap_or(0.5);
-                    let (ghost, home) = (self.storage.get(link.ghost), self.storage.get(link.home));
-                    // After an even step what goes out stands at home, after an odd one what returns.
-                    let exchanged = if self.odd { [home, ghost] } else { [ghost, home] };
-                    loads.add([x, row.j, row.k], i, fraction, exchanged);
-                }
-            }
+        if self.links.packed.is_some() {
+            loads.add_packed();
+        } else {
+            loads.add_rows();
         }
         for (sides, exchanged) in self.links.thin.iter().zip(&self.exchanged) {
             for (side, exchanged) in sides.iter().zip(exchanged) {

@@ -4,6 +4,7 @@ use crate::developed::Developed;
 use crate::faces::Faces;
 use crate::links::{Cut, Link, Links, NO_ROW, Row, Side};
 use crate::mask::Mask;
+use crate::pack::Packing;
 use crate::rule::{CutLink, LinkRule, Shares};
 use crate::stencil::opposite;
 use crate::storage::Storage;
@@ -72,6 +73,7 @@ impl<'a> Maker<'a> {
         self.severed.sort_unstable();
         self.develop();
         let [_, ny, nz] = self.surface.grid.shape;
+        let mut packing = self.storage.is_packed().then(|| Packing::new(&self));
         for k in 0..nz {
             for j in 0..ny {
                 let starts = links.ends();
@@ -79,16 +81,17 @@ impl<'a> Maker<'a> {
                 if links.runs.len() == starts[0] {
                     continue;
                 }
-                for run in starts[0]..links.runs.len() {
-                    for x in links.runs[run].clone() {
-                        self.add_incoming([x, j, k], &mut links);
-                    }
+                match &mut packing {
+                    Some(packing) => packing.add_row(&self, links.rows.len(), [j, k], starts[0], &mut links),
+                    None => self.add_row(j, k, starts[0], &mut links),
                 }
-                self.add_outgoing(j, k, &mut links);
-                self.add_places(j, k, starts[0], &mut links);
                 links.row_at[k * ny + j] = links.rows.len() as u32;
                 let ends = links.ends();
-                let range = |n: usize| starts[n]..ends[n];
+                // Packed nodes keep no other lists.
+                let range = |n: usize| match packing {
+                    Some(_) if n > 0 => 0..0,
+                    _ => starts[n]..ends[n],
+                };
                 links.rows.push(Row {
                     j,
                     k,
@@ -111,7 +114,21 @@ impl<'a> Maker<'a> {
             links.fractions = Vec::new();
         }
         links.balance_pushes(self.rule.interpolates(), self.storage.velocities());
+        if let Some(packing) = packing {
+            packing.finish(&self, &mut links);
+        }
         links
+    }
+
+    /// Links and places of a row with the runs from number `first` on.
+    fn add_row(&self, j: usize, k: usize, first: usize, links: &mut Links) {
+        for run in first..links.runs.len() {
+            for x in links.runs[run].clone() {
+                self.add_incoming([x, j, k], links);
+            }
+        }
+        self.add_outgoing(j, k, links);
+        self.add_places(j, k, first, links);
     }
 
     /// Lattice velocity `i`.
@@ -135,20 +152,25 @@ impl<'a> Maker<'a> {
                 let home = self.storage.index(i, x, j, k);
                 if self.add_open(node, i, Link { ghost, home }, links) {
                     links.add_wall(Link { ghost, home }, i, 0.0, self.fraction(0.5));
-                    continue;
-                }
-                let meeting = self.meeting(node, i);
-                let cut = self.cut(node, i, Link { ghost, home }, meeting, links);
-                let push = cut.shares.push * meeting.push;
-                links.add_wall(cut.link, i, push, self.fraction(meeting.fraction));
-                if cut.shares != Shares::HALFWAY {
-                    links.swell += cut.swell;
-                    links.cuts.push(cut);
+                } else {
+                    self.add_wall(node, i, Link { ghost, home }, links);
                 }
             } else {
                 let home = self.storage.index(opposite(i), source.rem_euclid(nx), sj, sk);
                 links.wraps_in.push(Link { ghost, home });
             }
+        }
+    }
+
+    /// Adds the link of `node` into a wall, whose returning population is `i`.
+    pub fn add_wall(&self, node: [usize; 3], i: usize, link: Link, links: &mut Links) {
+        let meeting = self.meeting(node, i);
+        let cut = self.cut(node, i, link, meeting, links);
+        let push = cut.shares.push * meeting.push;
+        links.add_wall(link, i, push, self.fraction(meeting.fraction));
+        if cut.shares != Shares::HALFWAY {
+            links.swell += cut.swell;
+            links.cuts.push(cut);
         }
     }
 
@@ -213,10 +235,16 @@ impl<'a> Maker<'a> {
             (x + cx).rem_euclid(self.surface.grid.shape[0] as isize)
         };
         let [bj, bk] = self.storage.wrapped(j + cy, k + cz);
+        let near = self.storage.index(o, x, j, k);
         Cut {
             link,
-            near: self.storage.index(o, x, j, k),
-            behind: self.storage.index(i, behind, bj, bk),
+            near,
+            // Packed, it is the node's own place.
+            behind: if solid && self.storage.is_packed() {
+                near
+            } else {
+                self.storage.index(i, behind, bj, bk)
+            },
             swell: meeting.swell * shares.map_or(1.0, |s| s.push),
             shares: shares.unwrap_or(Shares::HALFWAY),
             direction: i,
@@ -228,8 +256,13 @@ impl<'a> Maker<'a> {
         let [x, j, k] = node.map(|i| i as isize);
         let [cx, cy, cz] = self.c(i);
         let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
+        let source = if self.storage.is_packed() {
+            (x - cx).rem_euclid(self.surface.grid.shape[0] as isize)
+        } else {
+            x - cx
+        };
         let link = Link {
-            ghost: self.storage.index(opposite(i), x - cx, sj, sk),
+            ghost: self.storage.index(opposite(i), source, sj, sk),
             home: self.storage.index(i, x, j, k),
         };
         let meeting = self.meeting(node, i);

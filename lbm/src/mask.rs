@@ -88,6 +88,30 @@ impl Mask {
         self.solid.len() + self.close.len()
     }
 
+    /// Pairs of a fluid node and a solid one beside it along an axis.
+    pub fn wall_faces(&self) -> usize {
+        let [nx, ny, nz] = self.shape.map(|n| n as isize);
+        let row = |j: isize, k: isize| &self.solid[self.index(-1, j, k)..][..nx as usize + 2];
+        let between = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| a != b).count();
+        let (mut faces, inner) = (0, 1..nx as usize + 1);
+        for k in 0..nz {
+            for j in 0..ny {
+                let here = row(j, k);
+                faces += between(&here[1..], &here[..=nx as usize]);
+                faces += between(&here[inner.clone()], &row(j + 1, k)[inner.clone()]);
+                faces += between(&here[inner.clone()], &row(j, k + 1)[inner.clone()]);
+                // The other faces of the grid.
+                if j == 0 {
+                    faces += between(&here[inner.clone()], &row(-1, k)[inner.clone()]);
+                }
+                if k == 0 {
+                    faces += between(&here[inner.clone()], &row(j, -1)[inner.clone()]);
+                }
+            }
+        }
+        faces
+    }
+
     fn index(&self, i: isize, j: isize, k: isize) -> usize {
         let [nx, ny, _] = self.shape;
         ((k + 1) as usize * (ny + 2) + (j + 1) as usize) * (nx + 2) + (i + 1) as usize

@@ -2,11 +2,12 @@
 
 use crate::fluid::Fluid;
 use crate::links::Links;
+use crate::packed::Packed;
 
 impl Fluid {
     /// Bytes that the fluid holds: populations with their ghosts, rows, links and the mask. What bodies need is in the bricks.
     pub fn memory(&self) -> usize {
-        let notes = size_of_val(&*self.balances) + size_of_val(&*self.exchanged);
+        let notes = size_of_val(&*self.balances) + size_of_val(&*self.exchanged) + size_of_val(&*self.more);
         self.storage.bytes() + self.links.bytes() + self.mask.bytes() + notes
     }
 }
@@ -26,5 +27,7 @@ impl Links {
             + size_of_val(&*self.cuts)
             + size_of_val(&*self.thin)
             + self.openings.bytes()
+            + self.marks.bytes()
+            + self.packed.as_ref().map_or(0, Packed::bytes)
     }
 }

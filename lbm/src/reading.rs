@@ -47,6 +47,9 @@ impl ReadBrick<'_> {
     #[inline(always)]
     fn fetch(&self, bit: usize, nodes: &Range<usize>) {
         let Fluid { links, storage, .. } = self.fluid;
+        if links.packed.is_some() && self.fluid.odd {
+            return;
+        }
         let mut places = [std::ptr::null_mut(); MAX_Q];
         for run in self.runs(bit) {
             let part = links.runs[run].start.max(nodes.start)..links.runs[run].end.min(nodes.end);

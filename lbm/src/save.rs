@@ -6,7 +6,7 @@ use lbm_ibm_coupling::FluidError;
 
 /// What a saved state starts with; the last byte is the version of the format.
 const MARK: [u8; 8] = *b"lbmfluid";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 /// Reads from the front of saved bytes.
 struct Reader<'a>(&'a [u8]);
@@ -41,7 +41,7 @@ fn misfit(what: impl Into<String>) -> FluidError {
 
 impl Fluid {
     /// What a state has to agree in with the fluid that takes it.
-    fn shape_of_state(&self) -> [(&'static str, u64); 8] {
+    fn shape_of_state(&self) -> [(&'static str, u64); 9] {
         let [nx, ny, nz] = self.grid.shape.map(|n| n as u64);
         let runs = self.links.runs.iter().flat_map(|r| [r.start as u64, r.end as u64]);
         let rows = self.links.rows.iter().flat_map(|r| [r.j as u64, r.k as u64]);
@@ -55,24 +55,29 @@ impl Fluid {
             ("nodes along z", nz),
             ("populations of a node", self.storage.velocities().q() as u64),
             ("bytes of a population", self.storage.precision().bytes() as u64),
-            ("links into walls", self.links.walls.len() as u64),
+            ("links into walls", self.links.wall_links() as u64),
+            ("packing of nodes", u64::from(self.storage.is_packed())),
             ("arrangement of fluid nodes", hash),
         ]
     }
 
     /// Numbers beside the populations.
-    fn scalars(&mut self) -> [&mut f64; 11] {
+    fn scalars(&mut self) -> [&mut f64; 12] {
         let [[a, b], [c, d], [e, f]] = &mut self.force;
         let [g, h, i] = &mut self.bodies;
         let [j, k] = &mut self.owed;
-        [a, b, c, d, e, f, g, h, i, j, k]
+        [a, b, c, d, e, f, g, h, i, j, k, &mut self.shrink]
     }
 
-    /// Indices of all populations that a step reads, and of both ends of the links into walls.
+    /// Indices of all populations that a step reads, and of both ends of the links into walls; of packed nodes all that there are.
     fn places_of_state(&self) -> impl Iterator<Item = usize> {
         let nodes = (0..self.links.runs.len()).flat_map(|run| self.links.runs[run].clone().map(move |x| (run, x)));
-        let q = self.storage.velocities().q();
-        let populations = nodes.flat_map(move |(run, x)| (0..q).map(move |i| self.incoming(run, i, x)));
+        let (q, arrays) = (self.storage.velocities().q(), self.storage.arrays());
+        let place = move |run: usize, i: usize, x: usize| match &self.links.packed {
+            Some(packed) => arrays[i] + packed.starts[run] as usize + (x - self.links.runs[run].start),
+            None => self.incoming(run, i, x),
+        };
+        let populations = nodes.flat_map(move |(run, x)| (0..q).map(move |i| place(run, i, x)));
         populations.chain(self.links.walls.iter().flat_map(|link| [link.ghost, link.home]))
     }
 
@@ -92,10 +97,16 @@ impl Fluid {
         ] {
             add(&number.to_le_bytes());
         }
-        let scalars = self.force.iter().flatten().chain(&self.bodies).chain(&self.owed);
+        let scalars = self
+            .force
+            .iter()
+            .flatten()
+            .chain(&self.bodies)
+            .chain(&self.owed)
+            .chain([&self.shrink]);
         let flow = self.flow.unwrap_or_default();
         let exchanged = self.exchanged.iter().flatten().flatten();
-        for number in scalars.chain(&flow).chain(exchanged) {
+        for number in scalars.chain(&flow).chain(exchanged).chain(&self.more) {
             add(&number.to_le_bytes());
         }
         for index in self.places_of_state() {
@@ -122,7 +133,8 @@ impl Fluid {
             }
         }
         let populations = self.links.walls.len() * 2 + self.mask.fluid_nodes * self.storage.velocities().q();
-        let length = populations * self.storage.precision().bytes() + (18 + 4 * self.exchanged.len()) * 8;
+        let length =
+            populations * self.storage.precision().bytes() + (19 + 4 * self.exchanged.len() + self.more.len()) * 8;
         if reader.0.len() != length {
             return Err(misfit(format!(
                 "it has {} bytes too few or too many",
@@ -138,7 +150,8 @@ impl Fluid {
             *scalar = reader.real().ok_or_else(short)?;
         }
         let mut flow = [0.0; 3];
-        for number in flow.iter_mut().chain(self.exchanged.iter_mut().flatten().flatten()) {
+        let exchanged = self.exchanged.iter_mut().flatten().flatten();
+        for number in flow.iter_mut().chain(exchanged).chain(&mut self.more) {
             *number = reader.real().ok_or_else(short)?;
         }
         self.flow = flows.then_some(flow);

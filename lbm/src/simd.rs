@@ -101,6 +101,18 @@ macro_rules! arithmetic {
 #[cfg(target_arch = "x86_64")]
 use arithmetic;
 
+/// Asks for the cache line at `address`, which need not be valid, for some time later: it comes to the second level.
+#[inline(always)]
+pub fn prefetch_early<S>(address: *const S) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: as for `prefetch`.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T1 }>(address.cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = address;
+}
+
 /// Asks for the cache line at `address`, which need not be valid.
 #[inline(always)]
 pub fn prefetch<S>(address: *const S) {

@@ -1,16 +1,28 @@
 //! Setting up and reading the populations.
 
-use crate::collide::Span;
+use crate::collide::{Places, Span};
 use crate::element::Precision;
+use crate::ferry::Buffer;
 use crate::fluid::Fluid;
 use crate::kernel::Kernel;
 use crate::maker::Maker;
 use crate::mask::Mask;
+use crate::packed::Packed;
 use crate::stencil::{MAX_Q, Velocities, opposite};
 use crate::storage::Storage;
 use crate::surface::Surface;
 use lbm_ibm_coupling::Vec3;
 use std::ops::Range;
+
+/// Nodes are packed from so many links along the axes into walls on, per node: in a tube of less than 23 nodes or a slit of less
+/// than 9.
+const WALLED: f64 = 0.22;
+
+/// Whether nodes are better packed, as far as that depends on how they lie.
+pub fn pays_to_pack(mask: &Mask, velocities: Velocities) -> bool {
+    let walled = mask.wall_faces() as f64 / mask.fluid_nodes as f64;
+    walled > WALLED && Storage::packs(mask.fluid_nodes, velocities)
+}
 
 /// Populations of a node.
 type Populations = [f64; MAX_Q];
@@ -18,13 +30,7 @@ type Populations = [f64; MAX_Q];
 impl Fluid {
     /// Builds rows and links for the mask as it is.
     pub(crate) fn link(&mut self) {
-        let surface = Surface {
-            grid: &self.grid,
-            walls: self.walls.0.as_deref(),
-            t: self.walls.1,
-            velocity_unit: self.velocity_unit(),
-            velocities: self.storage.velocities(),
-        };
+        let surface = self.surface();
         let maker = Maker {
             tau: self.tau,
             density: self.density,
@@ -32,10 +38,24 @@ impl Fluid {
             ..Maker::new(surface, &self.mask, &self.storage, &*self.wall_rule, &self.faces)
         };
         self.links = maker.links();
-        self.balances = vec![Default::default(); self.links.rows.len()];
+        self.balances = vec![Default::default(); self.links.pieces()];
+        self.more = vec![0.0; self.links.marks.kept()];
+        self.slab = self.slab_size();
+        self.shrink = 0.0;
         self.exchanged = vec![Default::default(); self.links.thin.len()];
         self.owed = [0.0; 2];
         self.flow = None;
+    }
+
+    /// The walls as links meet them.
+    pub(crate) fn surface(&self) -> Surface<'_> {
+        Surface {
+            grid: &self.grid,
+            walls: self.walls.0.as_deref(),
+            t: self.walls.1,
+            velocity_unit: self.velocity_unit(),
+            velocities: self.storage.velocities(),
+        }
     }
 
     /// Sets every fluid node from a velocity and its gradient (`[a][b]` = d u_b / d x_a) at a position, lattice units.
@@ -86,6 +106,16 @@ impl Fluid {
         self.renew(self.storage.velocities(), self.storage.precision(), &kept);
     }
 
+    /// Builds rows and links anew where faces have changed, and takes other memory where packed nodes cannot have such faces.
+    pub(crate) fn relink(&mut self) {
+        if self.storage.is_packed() && self.faces.any_open() {
+            let kept = self.populations();
+            self.renew(self.storage.velocities(), self.storage.precision(), &kept);
+        } else {
+            self.link();
+        }
+    }
+
     /// Takes another kernel; the populations are kept if they are of the same stencil, else the fluid is at rest.
     pub(crate) fn set_kernel(&mut self, kernel: Box<dyn Kernel>, precision: Precision) {
         let velocities = kernel.velocities();
@@ -102,7 +132,8 @@ impl Fluid {
 
     /// Takes new memory for the mask as it is, and sets the populations of nodes that are in the fluid; others are at rest.
     fn renew(&mut self, velocities: Velocities, precision: Precision, kept: &[([usize; 3], Populations)]) {
-        self.storage = Storage::new(&self.grid, &self.mask, velocities, precision);
+        let packed = !self.faces.any_open() && pays_to_pack(&self.mask, velocities);
+        self.storage = Storage::new(&self.grid, &self.mask, velocities, precision, packed);
         self.odd = false;
         self.link();
         for ([x, j, k], populations) in kept {
@@ -140,6 +171,13 @@ impl Fluid {
 
     /// Index of the incoming population `i` of node `x` of a run.
     pub(crate) fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
+        if let Some(packed) = &self.links.packed {
+            let node = packed.starts[run] as usize + x - self.links.runs[run].start;
+            return match self.odd {
+                true => packed.place(&self.storage, node, i),
+                false => self.storage.arrays()[i] + node,
+            };
+        }
         let array = self.storage.arrays()[if self.odd { opposite(i) } else { i }];
         (array + x).wrapping_add_signed(self.links.places(run, self.odd)[i] as isize)
     }
@@ -149,19 +187,55 @@ impl Fluid {
     pub(crate) fn moments(&self, run: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
         let all = &self.links.runs[run];
         assert!(all.start <= part.start && part.end <= all.end && to.iter().all(|t| t.len() >= part.len()));
-        let mut places = [std::ptr::null_mut(); MAX_Q];
-        self.links.pointers(run, self.odd, &self.storage, &mut places);
+        let to = to.map(|t| t.as_mut_ptr());
+        match &self.links.packed {
+            Some(packed) if self.odd => {
+                let first = packed.starts[run] as usize + (part.start - all.start);
+                // SAFETY: as below.
+                unsafe { self.packed_moments(packed, first..first + part.len(), to) }
+            }
+            _ => {
+                let mut places = [std::ptr::null_mut(); MAX_Q];
+                self.links.pointers(run, self.odd, &self.storage, &mut places);
+                // SAFETY: the nodes are in the fluid, nothing writes to the populations now, and `to` has room.
+                unsafe { self.read(&places, part, to) }
+            }
+        }
+    }
+
+    /// The moments of nodes at these places.
+    ///
+    /// # Safety
+    /// The places are valid for the nodes, nothing writes there now, and `to` has room.
+    unsafe fn read(&self, places: &Places, nodes: Range<usize>, to: [*mut f64; 4]) {
         let span = Span {
-            places: &places,
-            start: part.start,
-            len: part.len(),
-            next: (&places, part.start),
+            places,
+            start: nodes.start,
+            len: nodes.len(),
+            next: (places, nodes.start),
             uniform: [0.0; 3],
             force: [std::ptr::null(); 3],
         };
-        // SAFETY: the nodes are in the fluid, nothing writes to the populations now, `to` has room, and the kernel was
-        // chosen for this processor.
-        unsafe { self.kernel.read(&span, to.map(|t| t.as_mut_ptr())) }
+        // SAFETY: the caller's, and the kernel was chosen for this processor.
+        unsafe { self.kernel.read(&span, to) }
+    }
+
+    /// The moments of packed nodes before an odd step.
+    ///
+    /// # Safety
+    /// Nothing writes to the populations now, and `to` has room.
+    unsafe fn packed_moments(&self, packed: &Packed, nodes: Range<usize>, to: [*mut f64; 4]) {
+        let (size, mut buffer) = (packed.batch(), Buffer::new());
+        for batch in nodes.start / size..nodes.end.div_ceil(size) {
+            let part = nodes.start.max(batch * size)..nodes.end.min((batch + 1) * size);
+            let to = to.map(|t| t.wrapping_add(part.start - nodes.start));
+            // SAFETY: the caller's; the buffer holds these nodes.
+            unsafe {
+                packed.gather(&self.storage, self.isa, batch, &part, &mut buffer);
+                let places = packed.places(&self.storage, batch, &mut buffer);
+                self.read(&places, part.start - batch * size..part.end - batch * size, to);
+            }
+        }
     }
 
     /// Sum of the momentum of all fluid nodes without force, lattice units.

@@ -3,6 +3,7 @@
 use crate::collide::{FREE, PER_NODE, Places, Span, UNIFORM};
 use crate::drive::Balance;
 use crate::element::{Element, Half, Precision};
+use crate::isa::InstructionSet;
 use crate::kernel::Kernel;
 use crate::links::{Link, Links, Row};
 use crate::simd::MAX_LANES;
@@ -17,11 +18,16 @@ const SEGMENT: usize = 16 * BRICK_EDGE;
 /// Room for them and for what a vector reads beyond them.
 const GATHERED: usize = SEGMENT + MAX_LANES;
 
+/// Forces of the nodes of a stretch.
+pub type Forces = [[f64; GATHERED]; 3];
+
 /// All that a row needs to take a step.
 pub struct Step<'a> {
     pub storage: &'a Storage,
     pub links: &'a Links,
     pub kernel: &'a dyn Kernel,
+    /// What it was compiled for.
+    pub isa: InstructionSet,
     /// Nodes inside of cells with a viscosity of their own, and the kernels of their levels from 1 on.
     pub inside: &'a Inside,
     pub levels: &'a [Box<dyn Kernel>],
@@ -38,10 +44,10 @@ pub struct Step<'a> {
 
 /// A run, and what will be collided after it: the places of its row, and its first node.
 #[derive(Clone, Copy)]
-struct Work<'a> {
-    kernel: &'a dyn Kernel,
-    places: &'a Places,
-    next: (&'a Places, usize),
+pub struct Work<'a> {
+    pub kernel: &'a dyn Kernel,
+    pub places: &'a Places,
+    pub next: (&'a Places, usize),
 }
 
 /// Places of the run at work and of the one after it.
@@ -88,32 +94,13 @@ impl Step<'_> {
     pub unsafe fn row(&self, row: usize, odd: bool, next: (usize, bool), ahead: &mut Ahead) -> Balance {
         let row = &self.links.rows[row];
         let mut balance = Balance::default();
-        let touched = !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some());
+        let (touched, inside) = (self.is_touched(row), self.inside.row(row.j, row.k));
         let next = (self.links.rows[next.0].runs.start, next.1);
-        let inside = self.inside.row(row.j, row.k);
         for run in row.runs.clone() {
             let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
             let work = self.look_ahead((run, odd), next, ahead);
-            let (run, places) = (&self.links.runs[run], work.places);
             // SAFETY: the places of this run are ours.
-            unsafe {
-                if run.start < inside.0[1] && inside.0[0] < run.end {
-                    self.run_of_levels(row, run, inside, touched, work, &mut balance);
-                } else {
-                    self.run(row, run, touched, work, &mut balance);
-                }
-            }
-            if let Some((thermal, noise)) = &self.thermal {
-                let at = [row.j, row.k];
-                // SAFETY: the places of this run are ours, and its nodes have collided.
-                unsafe {
-                    match self.storage.precision() {
-                        Precision::F64 => thermal.agitate::<f64>(noise, places, at, run.clone()),
-                        Precision::F32 => thermal.agitate::<f32>(noise, places, at, run.clone()),
-                        Precision::F16 => thermal.agitate::<Half>(noise, places, at, run.clone()),
-                    }
-                }
-            }
+            unsafe { self.part(row, &self.links.runs[run], touched, inside, work, &mut balance) };
         }
         // SAFETY: ghosts and homes of this row are ours.
         unsafe {
@@ -124,6 +111,47 @@ impl Step<'_> {
             }
         }
         balance
+    }
+
+    /// Whether bodies touch a row.
+    pub fn is_touched(&self, row: &Row) -> bool {
+        !self.bricks.is_empty() && (0..self.bricks.counts()[0]).any(|b| self.slot(b, row).is_some())
+    }
+
+    /// Collides nodes of a run; `inside` are those of the row that are in cells, and their levels.
+    ///
+    /// # Safety
+    /// The places are those of the row, and nobody else touches those of these nodes.
+    #[inline(always)]
+    pub unsafe fn part(
+        &self,
+        row: &Row,
+        run: &Range<usize>,
+        touched: bool,
+        inside: ([usize; 2], &[u16]),
+        work: Work,
+        balance: &mut Balance,
+    ) {
+        let places = work.places;
+        // SAFETY: the places of this run are the caller's.
+        unsafe {
+            if run.start < inside.0[1] && inside.0[0] < run.end {
+                self.run_of_levels(row, run, inside, touched, work, balance);
+            } else {
+                self.run(row, run, touched, work, balance);
+            }
+        }
+        if let Some((thermal, noise)) = &self.thermal {
+            let at = [row.j, row.k];
+            // SAFETY: the places of this run are the caller's, and its nodes have collided.
+            unsafe {
+                match self.storage.precision() {
+                    Precision::F64 => thermal.agitate::<f64>(noise, places, at, run.clone()),
+                    Precision::F32 => thermal.agitate::<f32>(noise, places, at, run.clone()),
+                    Precision::F16 => thermal.agitate::<Half>(noise, places, at, run.clone()),
+                }
+            }
+        }
     }
 
     /// A run, with the one that is likely to come after it, each in an odd step or not.
@@ -223,7 +251,7 @@ impl Step<'_> {
     }
 
     /// Forces of the nodes `part` of a row, lattice units.
-    fn gather(&self, row: &Row, part: &Range<usize>, force: &mut [[f64; GATHERED]; 3], balance: &mut Balance) {
+    fn gather(&self, row: &Row, part: &Range<usize>, force: &mut Forces, balance: &mut Balance) {
         let within = (row.k % BRICK_EDGE * BRICK_EDGE + row.j % BRICK_EDGE) * BRICK_EDGE;
         // One sum for each place in a brick, so that no addition waits for the one before.
         let mut sums = [[0.0; BRICK_EDGE]; 3];
@@ -251,14 +279,11 @@ impl Step<'_> {
     }
 
     /// Collides the nodes `part`, with the force on each if there is one.
+    ///
+    /// # Safety
+    /// As for [`Step::part`], with room for a vector behind the forces.
     #[inline(always)]
-    unsafe fn span(
-        &self,
-        part: Range<usize>,
-        work: &Work,
-        force: Option<&[[f64; GATHERED]; 3]>,
-        balance: &mut Balance,
-    ) {
+    pub unsafe fn span(&self, part: Range<usize>, work: &Work, force: Option<&Forces>, balance: &mut Balance) {
         let kind = match force {
             Some(_) => PER_NODE,
             None if self.uniform == [0.0; 3] => FREE,

@@ -30,6 +30,7 @@ pub struct Storage {
     precision: Precision,
     velocities: Velocities,
     arrays: [usize; MAX_Q],
+    /// Of each population, or of all where nodes are packed.
     intervals: Vec<Intervals>,
     grid: Grid,
 }
@@ -49,17 +50,21 @@ impl Storage {
         addressed && nodes.is_some_and(|n| i32::try_from(n).is_ok())
     }
 
-    /// Fluid at rest.
-    pub fn new(grid: &Grid, mask: &Mask, velocities: Velocities, precision: Precision) -> Self {
+    /// Fluid at rest, in rows or packed.
+    pub fn new(grid: &Grid, mask: &Mask, velocities: Velocities, precision: Precision, packed: bool) -> Self {
         let line = LINE / precision.bytes();
         let unit = line.min(MAX_LANES);
         let populations: Vec<usize> = (0..velocities.q()).collect();
-        let intervals = parallel::map(&populations, |i| Intervals::new(grid, mask, velocities, *i, unit));
+        let intervals = if packed {
+            vec![Intervals::packed(grid, mask)]
+        } else {
+            parallel::map(&populations, |i| Intervals::new(grid, mask, velocities, *i, unit))
+        };
         let (mut arrays, mut end) = ([0; MAX_Q], 0);
-        for (i, intervals) in intervals.iter().enumerate() {
+        for &i in &populations {
             arrays[i] = end_of_page(end, line) + i * SKEW % PAGE * line;
             // A cache line before and after, for what lies just beyond the ends of rows.
-            end = arrays[i] + intervals.len + 2 * line;
+            end = arrays[i] + intervals[i % intervals.len()].len + 2 * line;
             arrays[i] += line;
         }
         let bytes = end * precision.bytes();
@@ -164,7 +169,20 @@ impl Storage {
     /// The same, from the start of the array of the population.
     #[inline]
     pub fn place(&self, i: usize, x: isize, j: isize, k: isize) -> isize {
-        self.intervals[i].place(row(&self.grid, j, k), x)
+        let intervals = self.intervals.get(i).unwrap_or(&self.intervals[0]);
+        intervals.place(row(&self.grid, j, k), x)
+    }
+
+    /// Whether nodes are packed: then only those of the fluid have places, each its own.
+    #[inline]
+    pub fn is_packed(&self) -> bool {
+        self.intervals.len() == 1
+    }
+
+    /// Whether the places of packed nodes have numbers of 32 bits.
+    pub fn packs(nodes: usize, velocities: Velocities) -> bool {
+        let numbers = nodes.checked_add(1 << 13).and_then(|n| n.checked_mul(velocities.q()));
+        numbers.is_some_and(|n| u32::try_from(n).is_ok())
     }
 
     /// Where the array of each population starts.

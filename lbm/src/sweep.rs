@@ -9,6 +9,8 @@
 //! of rows are done one after the other, each of them `t` rows behind in step `t`, and within a block the planes in turn,
 //! again each `t` planes behind.
 
+use crate::marks::Pass;
+use crate::packed::Packed;
 use crate::parallel;
 use crate::step::{Ahead, Step};
 use std::ops::Range;
@@ -129,6 +131,31 @@ impl Sweep<'_> {
     }
 }
 
+impl Sweep<'_> {
+    /// Takes a step on packed rows that follow each other in plane `k`.
+    unsafe fn packed(&self, packed: &Packed, rows: Range<isize>, k: usize, odd: bool) {
+        let (ny, links) = (self.shape[0] as isize, self.step.links);
+        let row = |j: isize| links.row_at(j.rem_euclid(ny) as usize, k);
+        let (Some(first), Some(last)) = (rows.clone().find_map(row), rows.rev().find_map(row)) else {
+            return;
+        };
+        let number = |run: usize| packed.starts[run] as usize;
+        let nodes = number(links.rows[first].runs.start)..number(links.rows[last].runs.end);
+        // SAFETY: the caller's contract.
+        unsafe {
+            self.step.packed(packed, nodes.clone(), odd, |_, _| {});
+            if !links.marks.is_empty() {
+                let pass = Pass {
+                    storage: self.step.storage,
+                    odd,
+                    shrink: 0.0,
+                };
+                links.marks.add(pass, links.marks.of_nodes(&nodes), &[]);
+            }
+        }
+    }
+}
+
 /// Rows in the order of work, with the next one known before a row is done.
 struct Line<'a> {
     sweep: &'a Sweep<'a>,
@@ -141,6 +168,15 @@ impl Line<'_> {
     unsafe fn rows(&mut self, rows: Range<isize>, plane: isize, t: isize) {
         let [ny, nz] = self.sweep.shape.map(|n| n as isize);
         let (k, odd) = (plane.rem_euclid(nz) as usize, self.sweep.odd ^ (t % 2 == 1));
+        if let Some(packed) = &self.sweep.step.links.packed {
+            // Rows follow each other, but for the end of the plane.
+            let end = rows.start.div_euclid(ny) * ny + ny;
+            for rows in [rows.start..rows.end.min(end), rows.start.max(end)..rows.end] {
+                // SAFETY: the caller's contract.
+                unsafe { self.sweep.packed(packed, rows, k, odd) };
+            }
+            return;
+        }
         for j in rows {
             let j = j.rem_euclid(ny);
             let Some(row) = self.sweep.step.links.row_at(j as usize, k) else {

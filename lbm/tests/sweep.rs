@@ -209,6 +209,33 @@ fn memory_follows_the_fluid_nodes() {
     slit.set_walls(Some(Arc::new(walls)), 0.0).unwrap();
     assert_eq!(slit.fluid_nodes(), 64 * 16 * 64);
     assert!(bytes(&slit) < 1.15 * bytes(&open), "{} {}", bytes(&slit), bytes(&open));
+    // A tube of 20 nodes along x and along z, and the pores between spheres: links cost something, cut ones more.
+    let large = Grid::new([128; 3], 1e-6, [true; 3]);
+    let open = bytes(&Fluid::new(large, 1e3, 1e-3, Pace::Tau(0.8)).unwrap());
+    let along_x = |x: Vec3| 10e-6 - (x.y - 12e-6).hypot(x.z - 12e-6);
+    let along_z = |x: Vec3| 10e-6 - (x.x - 12e-6).hypot(x.y - 12e-6);
+    let pores = |x: Vec3| x.map(|v| v - 32e-6 * (v / 32e-6).round()).norm() - 18e-6;
+    type Scene = (fn(Vec3) -> f64, [usize; 3], [f64; 2]);
+    let scenes: [Scene; 3] = [
+        (along_x, [64, 24, 24], [1.10, 1.25]),
+        (along_z, [24, 24, 64], [1.15, 1.32]),
+        (pores, [64; 3], [1.15, 1.40]),
+    ];
+    for (distance, shape, most) in scenes {
+        for (rule, most) in [WallRule::Halfway, WallRule::Cli].into_iter().zip(most) {
+            let grid = Grid::new(shape, 1e-6, [true; 3]);
+            let mut fluid = Fluid::new(grid, 1e3, 1e-3, Pace::Tau(0.8))
+                .unwrap()
+                .with_wall_rule(rule)
+                .with_narrow_gaps_filled();
+            fluid
+                .set_walls(Some(Arc::new(Closure::new(distance, 1e-9))), 0.0)
+                .unwrap();
+            let of_open = bytes(&fluid) / open;
+            println!("{shape:?} {rule:?}: {of_open:.3} of an open cube");
+            assert!(of_open < most, "{shape:?} {rule:?} {of_open}");
+        }
+    }
 }
 
 #[test]

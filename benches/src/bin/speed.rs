@@ -118,8 +118,11 @@ fn main() -> Result<(), Fault> {
             show(&rows, timing.json.as_deref(), |r: &fluid::Speed| {
                 let rates = format!("{:7.1} MLUPS, best {:7.1}", r.mlups, r.best_mlups);
                 let bytes = format!("{:.1} GB/s, {:.1} B a node", r.gigabytes_per_second, r.bytes_per_node);
+                let ratio = r.of_periodic.map_or(String::new(), |[rate, bytes]| {
+                    format!("; of a periodic cube {rate:.2} of the rate, {bytes:.2} of the memory")
+                });
                 format!(
-                    "{:22} {:?} {:?} {:?} {:4}^3 {} threads {rates}, {bytes}",
+                    "{:22} {:?} {:?} {:?} {:4}^3 {} threads {rates}, {bytes}{ratio}",
                     r.case, r.scene, r.precision, r.collision, r.size, r.threads
                 )
             })

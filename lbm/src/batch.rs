@@ -1,0 +1,120 @@
+//! One time step of packed nodes, batch by batch.
+
+use crate::collide::Places;
+use crate::drive::Balance;
+use crate::ferry::Buffer;
+use crate::packed::Packed;
+use crate::step::{Step, Work};
+use std::ops::Range;
+
+impl Step<'_> {
+    /// Collides and streams batches from number `first` on, one for each of `balances`; `odd` says whether populations are in the
+    /// neighbours.
+    ///
+    /// # Safety
+    /// No two threads may work on the same nodes, and nothing else may touch the populations meanwhile. Every place is used by one
+    /// node alone: see [`crate::packed`].
+    pub unsafe fn batches(&self, packed: &Packed, first: usize, balances: &mut [Balance], odd: bool) {
+        let size = packed.batch();
+        let nodes = first * size..((first + balances.len()) * size).min(packed.nodes());
+        balances.fill(Balance::default());
+        // SAFETY: as for this function.
+        unsafe { self.packed(packed, nodes, odd, |batch, balance| balances[batch - first] = balance) };
+    }
+
+    /// Collides and streams a range of nodes, and tells the balance of each batch, where one is wanted.
+    ///
+    /// # Safety
+    /// As for [`Step::batches`].
+    pub unsafe fn packed(&self, packed: &Packed, nodes: Range<usize>, odd: bool, mut tell: impl FnMut(usize, Balance)) {
+        let size = packed.batch();
+        let plain = self.bricks.is_empty() && self.inside.is_empty() && self.thermal.is_none();
+        if plain && !odd && !self.tally {
+            let places = packed.own(self.storage, 0);
+            let work = Work {
+                kernel: self.kernel,
+                places: &places,
+                next: (&places, nodes.end),
+            };
+            // SAFETY: as for this function.
+            unsafe { self.span(nodes, &work, None, &mut Balance::default()) };
+            return;
+        }
+        let mut buffer = Buffer::new();
+        for batch in nodes.start / size..nodes.end.div_ceil(size) {
+            let part = nodes.start.max(batch * size)..nodes.end.min((batch + 1) * size);
+            // SAFETY: as for this function.
+            tell(batch, unsafe {
+                self.batch(packed, batch, &part, odd, plain, &mut buffer)
+            });
+        }
+    }
+
+    /// Collides and streams nodes of a batch; `plain` ones are alike.
+    unsafe fn batch(
+        &self,
+        packed: &Packed,
+        batch: usize,
+        nodes: &Range<usize>,
+        odd: bool,
+        plain: bool,
+        buffer: &mut Buffer,
+    ) -> Balance {
+        let mut balance = Balance::default();
+        let first = batch * packed.batch();
+        let places = if odd {
+            // SAFETY: the places of these nodes are ours, and the kernel runs on the same instruction set.
+            unsafe { packed.gather(self.storage, self.isa, batch, nodes, buffer) };
+            packed.places(self.storage, batch, buffer)
+        } else {
+            packed.own(self.storage, batch)
+        };
+        let after = (batch + 1).min(packed.batches() - 1);
+        let next = if odd {
+            packed.sources(self.storage, after)
+        } else {
+            packed.own(self.storage, after)
+        };
+        if plain {
+            let work = Work {
+                kernel: self.kernel,
+                places: &places,
+                next: (&next, 0),
+            };
+            // SAFETY: the places of these nodes are ours.
+            unsafe { self.span(nodes.start - first..nodes.end - first, &work, None, &mut balance) };
+        } else {
+            let bytes = packed.precision.bytes() as isize;
+            for (run, part) in packed.runs(&self.links.runs, nodes) {
+                let row = &self.links.rows[packed.rows[run] as usize];
+                let shift = packed.starts[run] as isize - (first + self.links.runs[run].start) as isize;
+                let places: Places = places.map(|p| p.wrapping_offset(shift * bytes));
+                let work = Work {
+                    kernel: self.kernel,
+                    places: &places,
+                    next: (&next, 0),
+                };
+                // SAFETY: as above.
+                unsafe {
+                    let inside = self.inside.row(row.j, row.k);
+                    self.part(row, &part, self.is_touched(row), inside, work, &mut balance);
+                }
+            }
+        }
+        if odd {
+            // SAFETY: as above.
+            unsafe { packed.scatter(self.storage, self.isa, batch, nodes, buffer) };
+        }
+        if self.tally {
+            let velocities = self.storage.velocities();
+            packed.for_walls(self.storage, batch, |i, place| {
+                // SAFETY: the place is that of a link of these nodes.
+                let out = unsafe { self.storage.read(place) };
+                for (sum, c) in balance.walls.iter_mut().zip(velocities.c(i)) {
+                    *sum += f64::from(c) * (2.0 * out);
+                }
+            });
+        }
+        balance
+    }
+}
