@@ -1,7 +1,7 @@
 //! Capsules with another viscosity inside.
 
 use super::Material;
-use super::steady::{BOXES, Steady, capsule, material, steady, unbounded};
+use super::steady::{Steady, capsule, material, steady, unbounded};
 use crate::Fault;
 use crate::reference::Table;
 use crate::scenes::side_by_side;
@@ -18,6 +18,9 @@ const FULL: &[(&str, f64, f64)] = &[
 ];
 /// Row of a quick run.
 const QUICK: (&str, f64, f64) = ("SK", 2.0, 0.1);
+/// Edge of the box in radii, and of the larger one that tells what the box does.
+const BOXES: [f64; 2] = [8.0, 12.0];
+
 /// A capsule, and how it is computed.
 #[derive(Clone, Copy)]
 struct Job {
@@ -52,15 +55,15 @@ fn run(jobs: &[Job], with_period: bool) -> Result<Vec<Found>, Fault> {
     let of = |part: usize, n: usize| found[part * jobs.len() + n];
     let one = |n: usize| {
         let [fine, large, small] = [0, 1, 2].map(|part| of(part, n));
-        let [in_box, without] = unbounded([small.0.deformation, large.0.deformation]);
-        let [angle_in_box, angle_without] = unbounded([small.0.angle, large.0.angle]);
+        let [in_box, without] = unbounded(BOXES, [small.0.deformation, large.0.deformation]);
+        let [angle_in_box, angle_without] = unbounded(BOXES, [small.0.angle, large.0.angle]);
         let period = fine
             .0
             .period
             .zip(small.0.period)
             .zip(large.0.period)
             .map(|((fine, small), large)| {
-                let [in_box, without] = unbounded([small, large]);
+                let [in_box, without] = unbounded(BOXES, [small, large]);
                 fine * without / in_box
             });
         Found {
@@ -77,8 +80,8 @@ fn run(jobs: &[Job], with_period: bool) -> Result<Vec<Found>, Fault> {
 }
 
 /// Capsules between sliding plates, 8 spacings a radius (5 in a quick run), the effect of the box taken off: the deformation
-/// within 2 %, the inclination within 1 degree; the volume of the fluid inside follows the surface within 1e-3 over half a
-/// turn.
+/// within 2 %, the inclination within 1 degree; the volume of the fluid inside follows the surface within 1e-3, in full
+/// over a whole turn.
 pub fn capsule_shear_contrast(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let (mut jobs, mut rows) = (Vec::new(), Vec::new());

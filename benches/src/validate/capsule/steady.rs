@@ -8,10 +8,11 @@ use lbm_ibm::coupling::Elasticity;
 use lbm_ibm::ibm::Kernel;
 use std::collections::BTreeMap;
 
-/// Kernel of these cases.
-pub const KERNEL: Kernel = Kernel::RomaThree;
-/// Edge of the box in radii, and of the larger one that tells what the box does.
-pub const BOXES: [f64; 2] = [8.0, 12.0];
+/// Kernel of capsules of one viscosity: at Ca 0.6 D is 1 % closer than with three points, at 8 spacings a radius.
+const KERNEL: Kernel = Kernel::TwoPoint;
+/// Kernel of those with another viscosity inside: at 5 spacings and twice the viscosity the inclination is 0.5 degrees closer than
+/// with two points, where the nodes lie not as deep.
+const CONTRAST_KERNEL: Kernel = Kernel::RomaThree;
 /// Shapes that are averaged over the last strain unit.
 const SAMPLES: usize = 5;
 
@@ -31,7 +32,8 @@ pub struct Steady {
     pub inside: f64,
 }
 
-/// Runs a capsule to the strain `settled` and one more, and where it is asked for half a turn.
+/// Runs a capsule to the strain `settled` and one more, and where it is asked for half a turn, or a whole one with another
+/// viscosity inside.
 ///
 /// # Errors
 /// What the scene finds.
@@ -60,19 +62,25 @@ pub fn settle(sheared: &mut Sheared, settled: f64, with_period: bool) -> Result<
         let (half, inside) = sheared.half_turn()?;
         found.period = Some(2.0 * half);
         found.inside = found.inside.max(inside);
+        if capsule.ratio != 1.0 {
+            let (half, inside) = sheared.half_turn()?;
+            found.period = found.period.map(|first| 0.5 * first + half);
+            found.inside = found.inside.max(inside);
+        }
     }
     Ok(found)
 }
 
-/// What a quantity would be in an unbounded flow, by its values in both boxes: what a box does falls off with the cube of its
-/// size. Returned as the value in the smaller box and the one without a box.
-pub fn unbounded(values: [f64; 2]) -> [f64; 2] {
-    let [small, large] = BOXES.map(|b| b.powi(-3));
+/// What a quantity would be in an unbounded flow, by its values in two boxes of so many radii: what a box does falls off with
+/// the cube of its size. Returned as the value in the smaller box and the one without a box.
+pub fn unbounded(boxes: [f64; 2], values: [f64; 2]) -> [f64; 2] {
+    let [small, large] = boxes.map(|b| b.powi(-3));
     [values[0], values[1] + (values[1] - values[0]) * large / (small - large)]
 }
 
 /// A capsule of so many spacings a radius, in a box of so many radii.
 pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size: f64) -> Capsule {
+    let kernel = if ratio == 1.0 { KERNEL } else { CONTRAST_KERNEL };
     Capsule {
         material,
         capillary,
@@ -91,9 +99,16 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
             3.0
         },
         ratio,
-        nodes: if radius > 12.0 { 5120 } else { 1280 },
-        kernel: KERNEL,
-        inset: KERNEL.hydrodynamic_shift(),
+        // With half as many, D is 0.3 % lower at 8 spacings.
+        nodes: if radius > 12.0 {
+            10_242
+        } else if radius > 7.0 {
+            2562
+        } else {
+            1280
+        },
+        kernel,
+        inset: kernel.hydrodynamic_shift(),
         holds_volume: true,
         elasticity: Elasticity::Explicit,
     }
