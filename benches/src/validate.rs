@@ -6,6 +6,7 @@ mod capsule;
 mod cavity;
 mod cells;
 mod channel;
+mod constriction;
 mod coupling;
 mod duct;
 mod finding;
@@ -16,6 +17,7 @@ mod magnetics;
 mod open_channel;
 mod pores;
 mod profile;
+mod relaxation;
 mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
@@ -81,6 +83,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("capsule_tube", Case::Rows(capsule::capsule_tube)),
     ("capsule_tube_profile", Case::Rows(capsule::capsule_tube_profile)),
     ("capsule_volume", Case::Alone(capsule::capsule_volume)),
+    ("constriction", Case::Rows(constriction::constriction)),
+    ("rbc_relaxation", Case::Alone(relaxation::rbc_relaxation)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
     ("two_sphere_force", Case::Rows(magnetics::two_sphere_force)),
