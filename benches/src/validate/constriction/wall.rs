@@ -75,7 +75,7 @@ mod tests {
             .map(|n| -4.0 + 1e-4 * f64::from(n))
             .map(|x| [x, THROAT.radius(THROAT.centre.x + x)])
             .collect();
-        for (x, r) in [(0.0, 0.3), (1.4, 0.5), (1.9, 1.6), (-2.0, 1.1), (-2.6, 1.9), (3.0, 1.0)] {
+        for (x, r) in [(0.0, 0.3), (1.4, 0.5), (2.0, 1.4), (-2.0, 1.1), (-2.6, 1.9), (3.0, 1.0)] {
             let probe = THROAT.probe(THROAT.centre + Vec3::new(x, 0.6 * r, -0.8 * r), 0.0);
             let nearest = wall
                 .iter()
