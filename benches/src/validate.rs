@@ -7,6 +7,7 @@ mod cavity;
 mod cells;
 mod channel;
 mod compare;
+mod constriction;
 mod coupling;
 mod duct;
 mod finding;
@@ -17,6 +18,7 @@ mod magnetics;
 mod open_channel;
 mod pores;
 mod profile;
+mod relaxation;
 pub(crate) mod rigid;
 mod rigid_crowd;
 mod rigid_reference;
@@ -107,6 +109,8 @@ pub const CASES: &[(&str, Case)] = &[
     ("drop_shear", Case::Alone(capsule::drop_shear)),
     ("keller_skalak", Case::Alone(capsule::keller_skalak_period)),
     ("capsule_volume", Case::Alone(capsule::capsule_volume)),
+    ("constriction", Case::Rows(constriction::constriction)),
+    ("rbc_relaxation", Case::Alone(relaxation::rbc_relaxation)),
     ("charge_sheet_field", Case::Rows(magnetics::charge_sheet_field)),
     ("dipole_pair_force", Case::Rows(magnetics::dipole_pair_force)),
     ("two_sphere_force", Case::Rows(magnetics::two_sphere_force)),

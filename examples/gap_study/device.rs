@@ -48,6 +48,8 @@ impl Subject {
         match self {
             Self::RbcEdge | Self::RbcFace => 8.0 * UM,
             Self::Ctc => presets::CTC_DIAMETER,
+            Self::Neutrophil => 8.4 * UM,
+            Self::Lymphocyte => 7.0 * UM,
         }
     }
 
@@ -56,6 +58,8 @@ impl Subject {
         match self {
             Self::RbcEdge | Self::RbcFace => "rbc",
             Self::Ctc => "ctc",
+            Self::Neutrophil => "neutrophil",
+            Self::Lymphocyte => "lymphocyte",
         }
     }
 
@@ -64,7 +68,7 @@ impl Subject {
         match self {
             Self::RbcEdge => "edge",
             Self::RbcFace => "face",
-            Self::Ctc => "sphere",
+            Self::Ctc | Self::Neutrophil | Self::Lymphocyte => "sphere",
         }
     }
 }
@@ -196,6 +200,12 @@ impl Device {
         let cell = match self.subject {
             Subject::RbcEdge | Subject::RbcFace => presets::rbc_paper(form)?,
             Subject::Ctc => presets::ctc_paper(form)?,
+            Subject::Neutrophil => presets::NEUTROPHIL
+                .cell()?
+                .with_viscosity_ratio(self.options.contrast)?,
+            Subject::Lymphocyte => presets::LYMPHOCYTE
+                .cell()?
+                .with_viscosity_ratio(self.options.contrast)?,
         };
         Ok(if self.options.paper_mode {
             let (_, friction, node_mass) = SAMPLE;
@@ -211,7 +221,7 @@ impl Device {
         let turn = match self.subject {
             Subject::RbcEdge => UnitQuaternion::from_scaled_axis(Vec3::x() * FRAC_PI_2),
             Subject::RbcFace => UnitQuaternion::from_scaled_axis(Vec3::y() * FRAC_PI_2),
-            Subject::Ctc => UnitQuaternion::identity(),
+            Subject::Ctc | Subject::Neutrophil | Subject::Lymphocyte => UnitQuaternion::identity(),
         };
         let x = self.entry - self.options.start * self.subject.diameter();
         Isometry3::from_parts(Vec3::new(x, 0.5 * self.height, 0.5 * self.width).into(), turn)

@@ -1,4 +1,4 @@
-//! Which gap lets a red blood cell through and holds a tumour cell.
+//! Which gap lets a red blood cell through and holds a tumour cell, and how leucocytes fare.
 //!
 //! `cargo run --release --example gap_study -- --help`
 
@@ -64,6 +64,7 @@ fn devices(options: &Options) -> Vec<Device> {
         _ if !options.gaps.is_empty() => options.gaps.clone(),
         Subject::Ctc => (8..=15).map(f64::from).collect(),
         Subject::RbcEdge | Subject::RbcFace => (2..=6).map(f64::from).collect(),
+        Subject::Neutrophil | Subject::Lymphocyte => vec![3.0, 4.0],
     };
     let devices = options.cells.iter().flat_map(|&subject| {
         let gaps: Vec<f64> = gaps(subject);

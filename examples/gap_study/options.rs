@@ -11,10 +11,10 @@ pub struct Options {
     /// Cells, by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Subject::RbcEdge, Subject::RbcFace, Subject::Ctc])]
     pub cells: Vec<Subject>,
-    /// Gaps in um, by commas [default: 2 to 6 for red cells, 8 to 15 for tumour cells].
+    /// Gaps in um, by commas [default: 2 to 6 for red cells, 8 to 15 for tumour cells, 3 and 4 for leucocytes].
     #[arg(long, value_delimiter = ',')]
     pub gaps: Vec<f64>,
-    /// Grid spacing in um [default: 0.5 for red cells, 1 for tumour cells].
+    /// Grid spacing in um [default: 0.5; 1 for tumour cells].
     #[arg(long)]
     pub resolution: Option<f64>,
     /// Where the fluid has the given speed.
@@ -62,13 +62,13 @@ pub struct Options {
     /// Factor on the strength of the wall contact.
     #[arg(long, default_value_t = 1.0)]
     pub wall_strength: f64,
-    /// Factor on the stiffness of all membrane laws.
+    /// Viscosity inside of leucocytes over that of plasma.
     #[arg(long, default_value_t = 1.0)]
-    pub stiffness: f64,
+    pub contrast: f64,
     /// Delta kernel.
     #[arg(long, value_enum, default_value_t = KernelName::Roma3)]
     pub kernel: KernelName,
-    /// Membrane formulas.
+    /// Formulas of the paper's membranes.
     #[arg(long, value_enum, default_value_t = FormName::Balanced)]
     pub form: FormName,
     /// Leave out the VTK files.
@@ -85,6 +85,10 @@ pub enum Subject {
     RbcFace,
     /// Tumour cell.
     Ctc,
+    /// Neutrophil: a drop with cortical tension.
+    Neutrophil,
+    /// Lymphocyte, likewise.
+    Lymphocyte,
 }
 
 /// Where the fluid has the given mean speed.

@@ -5,7 +5,7 @@ use crate::empty::Empty;
 use crate::options::Drive;
 use lbm_ibm::contact::WallRepulsion;
 use lbm_ibm::coupling::nalgebra::Point3;
-use lbm_ibm::coupling::{Domain, ForceField, ImmersedBody, Loads, Soa3, UM, View};
+use lbm_ibm::coupling::{BodyInfo, Domain, ForceField, ImmersedBody, Loads, Soa3, UM, View};
 use lbm_ibm::membrane::Cell;
 use lbm_ibm::membrane::fire::Fire;
 use std::error::Error;
@@ -57,10 +57,18 @@ pub fn squeeze(device: &Device) -> Result<Squeeze, Box<dyn Error>> {
     let n = x.len();
     let mut pusher = Pusher {
         contact: WallRepulsion::new(device.walls()?, device.contact()),
+        // Contact acts on bodies, not on bare nodes.
+        info: BodyInfo {
+            id: 0,
+            kind: cell.kind().to_owned(),
+            range: 0..n,
+            triangles: cell.triangles().into(),
+            motion: cell.motion(),
+        },
         cell,
         x,
         v: Soa3::zeros(n),
-        loads: Loads::new(n, 0),
+        loads: Loads::new(n, 1),
     };
     let radius = 0.5 * device.subject.diameter();
     let first = device.entry - 1.2 * radius;
@@ -99,6 +107,7 @@ fn pancake_diameter(volume: f64, gap: f64) -> f64 {
 
 struct Pusher {
     cell: Cell,
+    info: BodyInfo,
     contact: WallRepulsion,
     x: Soa3,
     v: Soa3,
@@ -122,6 +131,7 @@ impl Pusher {
         };
         let Self {
             cell,
+            info,
             contact,
             x,
             v,
@@ -134,7 +144,7 @@ impl Pusher {
             let view = View {
                 x,
                 v: v.view(),
-                bodies: &[],
+                bodies: std::slice::from_ref(info),
                 domain: &Domain::unbounded(),
                 time: 0.0,
                 time_step: 1.0,
@@ -155,7 +165,7 @@ impl Pusher {
         let view = View {
             x: self.x.view(),
             v: self.v.view(),
-            bodies: &[],
+            bodies: std::slice::from_ref(&self.info),
             domain: &Domain::unbounded(),
             time: 0.0,
             time_step: 1.0,

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// One run, in SI. What depends on the clock on the wall is not among it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// rbc or ctc.
+    /// rbc, ctc, neutrophil or lymphocyte.
     pub cell: String,
     /// How it meets the slit.
     pub orientation: String,
@@ -124,7 +124,7 @@ pub fn run_all(
 pub fn line(done: &Done) -> String {
     let r = &done.row;
     let mut text = format!(
-        "{:4} {:6} {:5.1}  {:9} {:8.1} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.3} {:6} {:7.0} {:7.0} {:8} {:6.1}",
+        "{:10} {:6} {:5.1}  {:9} {:8.1} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.3} {:6} {:7.0} {:7.0} {:8} {:6.1}",
         r.cell,
         r.orientation,
         r.gap * 1e6,
@@ -151,7 +151,7 @@ pub fn line(done: &Done) -> String {
 }
 
 /// The head of that table.
-pub const HEAD: &str = "cell facing gap_um outcome  time_ms fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   least_t folded squeeze flow_pN  steps    s";
+pub const HEAD: &str = "cell       facing gap_um outcome  time_ms fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   least_t folded squeeze flow_pN  steps    s";
 
 fn run_one(device: &Device, options: &Options) -> Result<Done, Box<dyn Error>> {
     let empty = Empty::of(device)?;
