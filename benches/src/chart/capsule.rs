@@ -82,7 +82,9 @@ pub const CAPSULE: Chart = Chart {
     title: "Deformation of a neo-Hookean capsule in shear, Ca 0.6",
     cost: "cost of a unit of strain, s",
     error: "relative error of the deformation",
-    advice: "",
+    advice: "The grid first: the error falls with the first order of the spacing, 9 % at 4 to the radius, 3.7 % at 8. Then the narrowest \
+              kernel, and the longest step that the fluid bears; relaxation time and mesh (from 642 nodes on) do not matter, and \
+              implicit forces only cost, the membrane being soft.",
     cases: deformations,
 };
 

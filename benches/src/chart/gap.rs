@@ -84,7 +84,9 @@ pub const GAP: Chart = Chart {
     title: "Transit of a red cell (4 µm) and a tumour cell (12 µm) through a slit",
     cost: "cost of the transit, s",
     error: "relative error of the transit time",
-    advice: "",
+    advice: "The longest step that the scene accepts, by scaling the Reynolds number: on one grid transits agree within 0.2 % for every \
+              relaxation time and scaling. The time belongs to the grid: 10 spacings in a red cell's gap leave 4 %. Compare grids \
+              whose gaps are all odd or all even in spacings.",
     cases: transits,
 };
 

@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_scene_of_rigid_beads_asks_for_nothing_elastic() {
-        let speed = beads(24, 2, 1, 0.0).unwrap();
+        let speed = beads(32, 2, 1, 0.0).unwrap();
         assert_eq!((speed.body_calls, speed.elastic_calls), (0.0, 0.0), "{speed:?}");
         assert!(speed.holding_ms > 0.0 && speed.markers > 100, "{speed:?}");
     }
