@@ -87,12 +87,32 @@ impl Membrane {
     }
 }
 
-/// A sphere of 4 spacings in a periodic box of 20 x 16 x 16, pulled at both ends, with steps of `time_step` s.
-fn scene(h: f64, membrane: Membrane, time_step: f64, limited: bool, force: f64) -> Result<(Scene, f64), Fault> {
+/// How a sphere is pulled.
+#[derive(Clone, Copy)]
+struct Pull {
+    /// Grid spacing, m.
+    h: f64,
+    membrane: Membrane,
+    /// Density over that of the file: the declared scaling of the Reynolds number.
+    heavier: f64,
+    /// Force at each end, N.
+    force: f64,
+}
+
+/// A sphere of 4 spacings in a periodic box of 20 x 16 x 16, pulled at both ends, with steps of `time_step` s; and the longest
+/// explicit step (s).
+fn scene(pull: Pull, time_step: f64, limited: bool) -> Result<(Scene, f64), Fault> {
+    let Pull {
+        h,
+        membrane,
+        heavier,
+        force,
+    } = pull;
+    let density = DENSITY * heavier;
     let mesh = Arc::new(Mesh::sphere(4.0 * h, 162)?);
     let mut cell = membrane.cell(&mesh)?;
     let grid = Grid::new([20, 16, 16], h, [true; 3]);
-    let fluid = Fluid::new(grid.clone(), DENSITY, VISCOSITY, Pace::TimeStep(time_step))?.with_inertia(false);
+    let fluid = Fluid::new(grid.clone(), density, VISCOSITY, Pace::TimeStep(time_step))?.with_inertia(false);
     let mut exchange = DeltaExchange::new(Kernel::RomaThree);
     let at = Vec3::new(10.0, 8.0, 8.0) * h;
     let x = cell
@@ -109,7 +129,7 @@ fn scene(h: f64, membrane: Membrane, time_step: f64, limited: bool, force: f64) 
     };
     exchange.set_bodies(&[info], cell.reference(), &grid)?;
     let limit = exchange
-        .stable_step(&mut cell, x.view(), VISCOSITY, DENSITY)
+        .stable_step(&mut cell, x.view(), VISCOSITY, density)
         .ok_or("an elastic cell has a limit")?;
     let guard = Guard {
         volume: f64::INFINITY,
@@ -139,8 +159,8 @@ fn length(scene: &Scene) -> f64 {
 }
 
 /// Whether explicit steps of `time_step` (s) keep the cell's length within a hundredth for 400 steps.
-fn is_stable(h: f64, membrane: Membrane, time_step: f64) -> Result<bool, Fault> {
-    let (mut scene, _) = scene(h, membrane, time_step, false, 1e-14)?;
+fn is_stable(pull: Pull, time_step: f64) -> Result<bool, Fault> {
+    let (mut scene, _) = scene(pull, time_step, false)?;
     let before = length(&scene);
     for _ in 0..400 {
         if scene.step().is_err() {
@@ -173,19 +193,25 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
             volume: 0.0,
         };
         let at_one = 1e-9 * row.number("dt_LB_tau1_ns")?;
-        let (_, limit) = scene(h, membrane, at_one, false, 0.0)?;
+        let pull = Pull {
+            h,
+            membrane,
+            heavier: 1.0,
+            force: 1e-14,
+        };
+        let (_, limit) = scene(pull, at_one, false)?;
         // Beyond a relaxation time of 3 the membrane is not what limits a step.
         if limit > 5.0 * at_one {
             return Ok((limit, 0.0));
         }
         // From a stable step up, by halving the bracket in its logarithm.
         let (mut low, mut high) = (0.5 * limit, 8.0 * limit);
-        if !is_stable(h, membrane, low)? {
+        if !is_stable(pull, low)? {
             return Err(format!("explicit steps of {low:e} s, half the estimate, are not stable").into());
         }
         while high / low > 1.05 {
             let middle = (low * high).sqrt();
-            if is_stable(h, membrane, middle)? {
+            if is_stable(pull, middle)? {
                 low = middle;
             } else {
                 high = middle;
@@ -215,9 +241,25 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
 /// A local area modulus of 400 mN/m at 0.5 um: implicit steps at the fluid's own time step, that of a relaxation time of 1,
 /// against explicit ones at 0.9 of their limit, by the extension of a pulled sphere after 100 us, within 1 %. Reported beside
 /// it: implicit steps at a relaxation time of 3, and a strong global modulus with a local one of a tenth.
+///
+/// In plasma of its own density the fluid's step is hardly longer than the explicit limit. With the Reynolds number scaled by
+/// 80, as where cells pass gaps, it is 120 times as long: the same again, after 2 ms, with implicit steps at relaxation times
+/// of 0.6 (within 1 %), 0.75 and 1.
 pub fn stiff_membrane(effort: Effort) -> Outcome {
-    const H: f64 = 0.5e-6;
     let mut findings = Findings::of("stiff_membrane");
+    compare(&mut findings, 1.0, if effort.quick { 5e-5 } else { 1e-4 }, &[1.0, 3.0])?;
+    if effort.quick {
+        findings.left_out += 5;
+    } else {
+        compare(&mut findings, 80.0, 2e-3, &[0.6, 0.75, 1.0])?;
+    }
+    Ok(findings)
+}
+
+/// Ways to step a stiff membrane up to the time `end` (s) at so many times the density, implicit ones at relaxation times
+/// `taus`, of which the first is held to 1 %.
+fn compare(findings: &mut Findings, heavier: f64, end: f64, taus: &[f64]) -> Result<(), Fault> {
+    const H: f64 = 0.5e-6;
     let stiff = Membrane {
         shear: 5.5e-6,
         local: 0.4,
@@ -230,10 +272,15 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
         global: 0.4,
         ..stiff
     };
-    let end = if effort.quick { 5e-5 } else { 1e-4 };
+    let pull = |membrane| Pull {
+        h: H,
+        membrane,
+        heavier,
+        force: 2e-11,
+    };
     let run = |membrane: Membrane, time_step: f64, elasticity: Elasticity| -> Result<[f64; 3], Fault> {
         let steps = (end / time_step).round();
-        let (mut scene, _) = scene(H, membrane, end / steps, true, 2e-11)?;
+        let (mut scene, _) = scene(pull(membrane), end / steps, true)?;
         scene.set_elasticity(elasticity);
         let (before, clock, mut taken) = (length(&scene), Instant::now(), 0);
         for _ in 0..steps as usize {
@@ -246,33 +293,31 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
             taken as f64 / steps,
         ])
     };
-    let own = |membrane| Ok::<_, Fault>(0.9 * scene(H, membrane, 1e-8, true, 0.0)?.1);
-    let at_tau = |tau: f64| (tau - 0.5) / 3.0 * H * H * DENSITY / VISCOSITY;
-    let explicit = own(stiff)?;
-    let cases = [
-        ("explicit", stiff, explicit, Elasticity::Explicit),
-        ("implicit", stiff, at_tau(1.0), Elasticity::IMPLICIT),
-        ("implicit", stiff, at_tau(3.0), Elasticity::IMPLICIT),
-        (
-            "explicit, strong global and modest local",
-            global,
-            own(global)?.min(at_tau(3.0)),
-            Elasticity::Explicit,
-        ),
-    ];
+    let own = |membrane| Ok::<_, Fault>(0.9 * scene(pull(membrane), 1e-8, true)?.1);
+    let at_tau = |tau: f64| (tau - 0.5) / 3.0 * H * H * DENSITY * heavier / VISCOSITY;
+    let longest = at_tau(taus.iter().fold(1.0, |a, t| t.max(a)));
+    let mut cases = vec![("explicit", stiff, own(stiff)?, Elasticity::Explicit)];
+    let implicit = |&tau: &f64| ("implicit", stiff, at_tau(tau), Elasticity::IMPLICIT);
+    cases.extend(taus.iter().map(implicit));
+    cases.push((
+        "explicit, strong global and modest local",
+        global,
+        own(global)?.min(longest),
+        Elasticity::Explicit,
+    ));
     let found = side_by_side(&cases, |&(_, membrane, time_step, elasticity)| {
         run(membrane, time_step, elasticity)
     })?;
     let [truth, seconds_explicit, _] = found[0].0;
-    for ((name, _, time_step, _), ([extension, seconds, taken], _)) in cases.iter().zip(found) {
+    for (i, ((name, _, time_step, _), ([extension, seconds, taken], _))) in cases.iter().zip(found).enumerate() {
         let row = [
+            ("density", format!("{heavier}")),
             ("steps", (*name).to_owned()),
             ("dt_ns", format!("{:.1}", 1e9 * time_step)),
         ];
         findings.begin_done(key(&row), seconds);
         let ratio = ("extension over that of explicit steps", extension / truth);
-        // The fluid's own step is the one at a relaxation time of 1.
-        if *time_step < 1.01 * at_tau(1.0) && !name.contains("global") {
+        if i == 1 {
             findings.check(ratio.0, ratio.1, 1.0, 0.01);
         } else {
             findings.report(ratio.0, ratio.1, 1.0, 1.0);
@@ -285,5 +330,5 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
             f64::INFINITY,
         );
     }
-    Ok(findings)
+    Ok(())
 }
