@@ -7,8 +7,8 @@ const TAUS: [f64; 12] = [0.5005, 0.501, 0.505, 0.51, 0.52, 0.55, 0.6, 0.7, 0.8, 
 
 /// Collisions by their names in the scan, with the greatest stable velocities, lattice units: the least of three directions, as
 /// `cargo run --release -p lbm-ibm-benches --bin stability` prints them, or what it printed with fewer waves where that was less. All
-/// are upper bounds. Those of CM at the first two relaxation times are of a coarse scan, a finer one finding waves that grow by
-/// little more than the tolerance at any velocity.
+/// are upper bounds. Those of CM at the first two relaxation times are of a coarse scan: a finer one says that some wave grows at
+/// any velocity, which is not understood.
 #[rustfmt::skip]
 const LIMITS: [(&str, [f64; 12]); 15] = [
     ("BGK", [0.04702, 0.06166, 0.10696, 0.13289, 0.17496, 0.19511, 0.21816, 0.26987, 0.31092, 0.33333, 0.33333, 0.33333]),
