@@ -65,6 +65,8 @@ pub struct Sheared {
     pub radius: f64,
     /// Factor from the mesh to the surface that it stands for.
     pub scale: f64,
+    /// Viscosity inside over the one outside.
+    pub ratio: f64,
 }
 
 impl Capsule {
@@ -119,6 +121,7 @@ impl Capsule {
             rate,
             radius: self.radius * H,
             scale: self.radius / (self.radius - self.inset),
+            ratio: self.ratio,
         })
     }
 }

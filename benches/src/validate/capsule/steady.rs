@@ -62,7 +62,7 @@ pub fn settle(sheared: &mut Sheared, settled: f64, with_period: bool) -> Result<
         let (half, inside) = sheared.half_turn()?;
         found.period = Some(2.0 * half);
         found.inside = found.inside.max(inside);
-        if capsule.ratio != 1.0 {
+        if sheared.ratio != 1.0 {
             let (half, inside) = sheared.half_turn()?;
             found.period = found.period.map(|first| 0.5 * first + half);
             found.inside = found.inside.max(inside);
