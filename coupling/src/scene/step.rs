@@ -125,14 +125,15 @@ pub(super) fn internal_forces(
 ) {
     match bodies {
         [] => {}
-        [_] if infos[0].motion == Motion::Rigid => {}
         [one] => {
             let range = infos[0].range.clone();
             for f in [&mut *force.x, &mut *force.y, &mut *force.z] {
                 f.fill(0.0);
             }
-            one.body
-                .add_internal_forces(part(x, &range), part(v, &range), &mut force);
+            if infos[0].motion != Motion::Rigid {
+                one.body
+                    .add_internal_forces(part(x, &range), part(v, &range), &mut force);
+            }
         }
         _ => {
             let half = bodies.len() / 2;
