@@ -7,7 +7,7 @@ use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Elasticity, Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
-use lbm_ibm::membrane::{Cell, MembraneError, Mesh};
+use lbm_ibm::membrane::{Cell, MembraneError, Mesh, laws};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -27,6 +27,8 @@ const LOOK_EVERY: usize = 10;
 pub struct Capsule {
     /// Its membrane.
     pub material: Material,
+    /// Stiffness of the hinges between its triangles over shear modulus times radius squared.
+    pub bending: f64,
     /// Capillary number, viscosity times shear rate times radius over shear modulus (a drop: over tension).
     pub capillary: f64,
     /// Radius in grid spacings.
@@ -81,7 +83,10 @@ impl Capsule {
         });
         let shear = VISCOSITY * rate * radius / self.capillary;
         let cell = Cell::new("capsule", mesh.clone()).with_viscosity_ratio(self.ratio)?;
-        let cell = self.material.around(cell, &mesh, shear)?;
+        let mut cell = self.material.around(cell, &mesh, shear)?;
+        if self.bending > 0.0 {
+            cell = cell.with_law(laws::Bending::new(&mesh, self.bending * shear * radius * radius)?);
+        }
         Ok(if self.holds_volume {
             cell.with_constant_volume()
         } else {

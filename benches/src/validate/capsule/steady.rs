@@ -83,6 +83,7 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
     let kernel = if ratio == 1.0 { KERNEL } else { CONTRAST_KERNEL };
     Capsule {
         material,
+        bending: 0.0,
         capillary,
         radius,
         axes: [1.0; 3],
