@@ -1,7 +1,7 @@
 //! What a case finds.
 
 use lbm_ibm::lbm::Precision;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
@@ -18,12 +18,16 @@ pub struct Finding {
     /// What was computed.
     pub quantity: String,
     /// Its value.
+    #[serde(deserialize_with = "number")]
     pub value: f64,
     /// What it should be.
+    #[serde(deserialize_with = "number")]
     pub reference: f64,
     /// What the error is relative to.
+    #[serde(deserialize_with = "number")]
     pub scale: f64,
     /// |value - reference|/scale.
+    #[serde(deserialize_with = "number")]
     pub relative_error: f64,
     /// Greatest error that passes; none where the quantity is only reported.
     pub gate: Option<f64>,
@@ -31,6 +35,11 @@ pub struct Finding {
     pub pass: bool,
     /// Wall-clock seconds.
     pub seconds: f64,
+}
+
+/// A number of JSON, which writes those that are not finite as null.
+fn number<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// Findings of a case, and the clock of the row under way.
@@ -135,4 +144,18 @@ pub fn gate_of(precision: Precision, tight: f64, gain: f64) -> f64 {
 /// Observed order of convergence from errors at two spacings.
 pub fn observed_order(coarse: (f64, f64), fine: (f64, f64)) -> f64 {
     (coarse.1 / fine.1).ln() / (coarse.0 / fine.0).ln()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_number_comes_back_from_json() {
+        let mut findings = Findings::of("case");
+        findings.report("order", f64::NAN, 2.0, 2.0);
+        let json = serde_json::to_string(&findings.found).expect("it can be written");
+        let back: Vec<Finding> = serde_json::from_str(&json).expect("it can be read");
+        assert!(back[0].value.is_nan() && back[0].reference == 2.0 && back[0].pass);
+    }
 }
