@@ -291,9 +291,7 @@ fn in_tube(cells: f64, radius: Option<f64>) -> Result<(f64, f64, f64), Fault> {
 /// one that its empty flow has, `R^4 = 8 mu Q / (pi f)`.
 ///
 /// The extra pressure goes with the fifth power of the sphere's radius, so that 3 % of it are 0.6 % of the radius: about what
-/// the correction of the radius leaves of the drag (`validate ibm_sphere_radius`). At a/R = 0.3, 3.6 spacings, the error was
-/// 3.0 %, in tubes of 14 and 18 spacings 4.1 and 1.9 %; it depends neither on tau, the length of the tube, the number of
-/// steps nor the place along it.
+/// the correction of the radius leaves of the drag (`validate ibm_sphere_radius`).
 pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let cells = 12.0;
