@@ -31,7 +31,7 @@ pub struct Device {
     pub entry: f64,
     /// Where it ends.
     pub exit: f64,
-    /// Height of the channel, a whole number of spacings of the parity of the gap.
+    /// Height of the channel.
     pub height: f64,
     /// Width of the channel.
     pub width: f64,
@@ -39,6 +39,7 @@ pub struct Device {
     pub length: f64,
     /// Mean velocity in the channel, m/s.
     pub velocity: f64,
+    tau: f64,
     options: Options,
 }
 
@@ -82,13 +83,12 @@ impl Device {
             0.5
         };
         let spacing = options.resolution.unwrap_or(default) * UM;
-        let cells = |length: f64| (length / spacing).round();
+        // The faces of the grid lie half way between nodes, so the box is whole in spacings, and in those of a grid twice as coarse.
+        let whole = |length: f64| (length / (2.0 * spacing)).round() * 2.0 * spacing;
         let diameter = subject.diameter();
-        let entry = cells((options.start + 1.0) * diameter) * spacing;
-        let thickness = cells(options.thickness * UM) * spacing;
-        // Halfway walls lie between nodes, so height and gap must both be odd or both even in spacings.
-        let odd = (cells(options.height * diameter) - cells(gap)).rem_euclid(2.0);
-        let height = (cells(options.height * diameter) + odd) * spacing;
+        let entry = (options.start + 1.0) * diameter;
+        let exit = entry + options.thickness * UM;
+        let height = whole(options.height * diameter);
         let velocity = match options.velocity {
             Where::Channel => options.speed * UM,
             Where::Gap => options.speed * UM * gap / height,
@@ -98,12 +98,22 @@ impl Device {
             gap,
             spacing,
             entry,
-            exit: entry + thickness,
+            exit,
             height,
-            width: cells(options.width * diameter) * spacing,
-            length: entry + thickness + cells(2.5 * diameter) * spacing,
+            width: whole(options.width * diameter),
+            length: whole(exit + 2.5 * diameter),
             velocity,
+            tau: options.tau,
             options: options.clone(),
+        }
+    }
+
+    /// The same device on a grid twice as coarse, with the same time step and Reynolds number.
+    pub fn coarser(&self) -> Self {
+        Self {
+            spacing: 2.0 * self.spacing,
+            tau: 0.5 + 0.25 * (self.tau - 0.5),
+            ..self.clone()
         }
     }
 
@@ -119,7 +129,7 @@ impl Device {
             return (density, viscosity, Pace::TimeStep(SAMPLE.0));
         }
         let (density, viscosity) = PLASMA;
-        (density * self.scale(), viscosity, Pace::Tau(self.options.tau))
+        (density * self.scale(), viscosity, Pace::Tau(self.tau))
     }
 
     /// What is held while the cell passes.

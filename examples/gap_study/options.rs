@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Parser)]
 pub struct Options {
     /// Cells, by commas.
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Subject::RbcEdge, Subject::RbcFace, Subject::Ctc])]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Subject::RbcEdge, Subject::RbcFace, Subject::Ctc, Subject::Neutrophil, Subject::Lymphocyte])]
     pub cells: Vec<Subject>,
     /// Gaps in um, by commas [default: 2 to 6 for red cells, 8 to 15 for tumour cells, 3 and 4 for leucocytes].
     #[arg(long, value_delimiter = ',')]
@@ -71,6 +71,9 @@ pub struct Options {
     /// Formulas of the paper's membranes.
     #[arg(long, value_enum, default_value_t = FormName::Balanced)]
     pub form: FormName,
+    /// Leave out the second run of each row, on a grid twice as coarse, that shows the grid's error.
+    #[arg(long)]
+    pub no_error: bool,
     /// Leave out the VTK files.
     #[arg(long)]
     pub no_vtk: bool,

@@ -14,7 +14,7 @@ struct Summary<'a> {
 
 #[derive(Serialize)]
 struct Timing {
-    /// Wall-clock seconds of each run's flow with the cell.
+    /// Wall-clock seconds of each run.
     seconds: Vec<f64>,
     /// Wall-clock seconds of the study.
     total: f64,

@@ -29,6 +29,12 @@ pub struct Row {
     pub elapsed: f64,
     /// The undisturbed fluid's time for the same way, s.
     pub undisturbed: f64,
+    /// How it ended on a grid twice as coarse, where that was run.
+    pub outcome_coarse: Option<Outcome>,
+    /// `elapsed` on that grid, s.
+    pub elapsed_coarse: Option<f64>,
+    /// Relative change of `elapsed` from this grid to that: at first order the error of `elapsed`, at second three times it.
+    pub grid_error: Option<f64>,
     /// Mean velocity in the channel, m/s.
     pub channel_velocity: f64,
     /// Mean velocity in the open gap of the empty device, m/s.
@@ -71,11 +77,30 @@ pub struct Row {
     pub message: String,
 }
 
+impl Row {
+    /// Takes in the same passage on a coarser grid. A gap may be too narrow for that grid: no reason to lose the row.
+    fn compare(&mut self, coarse: Result<Row, Box<dyn Error>>) {
+        let message = match &coarse {
+            Ok(row) => row.message.clone(),
+            Err(error) => error.to_string(),
+        };
+        if !message.is_empty() {
+            self.message.push_str(&format!("on the coarser grid: {message}"));
+        }
+        self.outcome_coarse = Some(coarse.as_ref().map_or(Outcome::Failed, |c| c.outcome));
+        let passed = |row: &Row| row.outcome == Outcome::Pass;
+        if let Some(coarse) = coarse.ok().filter(|c| passed(c) && passed(self)) {
+            self.elapsed_coarse = Some(coarse.elapsed);
+            self.grid_error = Some((coarse.elapsed / self.elapsed - 1.0).abs());
+        }
+    }
+}
+
 /// A run and its wall-clock seconds.
 pub struct Done {
     /// The run.
     pub row: Row,
-    /// Wall-clock seconds of the flow with the cell.
+    /// Wall-clock seconds of all of it.
     pub seconds: f64,
 }
 
@@ -124,12 +149,17 @@ pub fn run_all(
 pub fn line(done: &Done) -> String {
     let r = &done.row;
     let mut text = format!(
-        "{:10} {:6} {:5.1}  {:9} {:8.1} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.3} {:6} {:7.0} {:7.0} {:8} {:6.1}",
+        "{:10} {:6} {:5.1}  {:9} {:8.1} {:7} {:8.1} {:7.2} {:7.2} {:9.0} {:7.3} {:6.2} {:7.3} {:7.3} {:6} {:7.0} {:7.0} {:8} {:6.1}",
         r.cell,
         r.orientation,
         r.gap * 1e6,
         format!("{:?}", r.outcome).to_lowercase(),
         r.elapsed * 1e3,
+        match (r.outcome_coarse, r.grid_error) {
+            (Some(coarse), _) if coarse != r.outcome => format!("{coarse:?}").to_lowercase(),
+            (_, Some(error)) => format!("{:.1}", error * 1e2),
+            _ => "-".to_owned(),
+        },
         r.undisturbed * 1e3,
         r.pressure_drop_empty,
         r.pressure_drop_peak,
@@ -151,10 +181,10 @@ pub fn line(done: &Done) -> String {
 }
 
 /// The head of that table.
-pub const HEAD: &str = "cell       facing gap_um outcome  time_ms fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   least_t folded squeeze flow_pN  steps    s";
+pub const HEAD: &str = "cell       facing gap_um outcome  time_ms  grid_% fluid_ms dp0_Pa  dp_Pa   gap_um/s wall_um area_% vol_%   least_t folded squeeze flow_pN  steps    s";
 
 fn run_one(device: &Device, options: &Options) -> Result<Done, Box<dyn Error>> {
-    let empty = Empty::of(device)?;
+    let clock = Instant::now();
     let estimate = squeeze(device)?;
     let folder = options.out.join(format!(
         "{}_{}_{:.2}um",
@@ -162,13 +192,23 @@ fn run_one(device: &Device, options: &Options) -> Result<Done, Box<dyn Error>> {
         device.subject.orientation(),
         device.gap * 1e6
     ));
-    let clock = Instant::now();
+    let mut row = pass(device, &estimate, (!options.no_vtk).then_some(&*folder))?;
+    if !(options.no_error || options.paper_mode) {
+        row.compare(pass(&device.coarser(), &estimate, None));
+    }
+    Ok(Done {
+        row,
+        seconds: clock.elapsed().as_secs_f64(),
+    })
+}
+
+/// One passage on one grid.
+fn pass(device: &Device, estimate: &Squeeze, folder: Option<&Path>) -> Result<Row, Box<dyn Error>> {
+    let empty = Empty::of(device)?;
     let cell = device.cell()?;
     let (mut scene, id) = device.scene(empty.pressure_drop)?;
     let mut passage = Passage::new(device, &empty, &cell, id);
-    let mut film = (!options.no_vtk)
-        .then(|| Film::new(&folder, &scene, device))
-        .transpose()?;
+    let mut film = folder.map(|to| Film::new(to, &scene, device)).transpose()?;
     let end = watch(&mut scene, &mut passage, film.as_mut());
     let (outcome, message) = match end {
         Ok(outcome) => (outcome, String::new()),
@@ -177,10 +217,7 @@ fn run_one(device: &Device, options: &Options) -> Result<Done, Box<dyn Error>> {
     if let Some(film) = &mut film {
         film.series.write(&scene)?;
     }
-    Ok(Done {
-        row: row(device, &empty, &estimate, &passage, &scene, outcome, message),
-        seconds: clock.elapsed().as_secs_f64(),
-    })
+    Ok(row(device, &empty, estimate, &passage, &scene, outcome, message))
 }
 
 fn watch(scene: &mut Scene, passage: &mut Passage, mut film: Option<&mut Film>) -> Result<Outcome, RunError> {
@@ -241,6 +278,9 @@ fn row(
         gap: device.gap,
         outcome,
         elapsed: passage.elapsed,
+        outcome_coarse: None,
+        elapsed_coarse: None,
+        grid_error: None,
         undisturbed: empty.transit,
         channel_velocity: device.velocity,
         gap_velocity: device.gap_velocity(),
