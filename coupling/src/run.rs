@@ -40,10 +40,37 @@ pub enum RunError {
     },
 }
 
-type Stop<'a> = Box<dyn FnMut(&Scene) -> bool + 'a>;
+type Condition<'a> = Box<dyn FnMut(&Scene) -> bool + 'a>;
 type Observe<'a> = Box<dyn FnMut(&Scene) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'a>;
 
-/// Steps a scene until a condition holds, with observers on schedules.
+/// What ends a run.
+enum Stop<'a> {
+    Time(f64),
+    Steps(u64),
+    Condition(Condition<'a>),
+}
+
+impl Stop<'_> {
+    fn holds(&mut self, scene: &Scene) -> bool {
+        match self {
+            Self::Time(time) => scene.time() >= *time - 0.5 * scene.time_step(),
+            Self::Steps(steps) => scene.steps() >= *steps,
+            Self::Condition(condition) => condition(scene),
+        }
+    }
+
+    /// Steps that are sure to be taken before it can hold.
+    fn ahead(&self, scene: &Scene) -> u64 {
+        match self {
+            Self::Time(time) => steps_to(*time, scene).saturating_sub(scene.steps()),
+            Self::Steps(steps) => steps.saturating_sub(scene.steps()),
+            Self::Condition(_) => 1,
+        }
+    }
+}
+
+/// Steps a scene until a condition holds, with observers on schedules. Between what is due a fluid without bodies and fields may
+/// take several steps at once ([`Scene::step_by`]): so where the run ends by a time or a number of steps, and by no condition of one's own.
 ///
 /// ```
 /// # use lbm_ibm_coupling::{Run, Scene, Schedule};
@@ -74,17 +101,21 @@ impl<'a> Run<'a> {
 
     /// Ends the run when the scene's time has reached `time`, s.
     pub fn until_time(self, time: f64) -> Self {
-        self.until("time", move |scene| scene.time() >= time - 0.5 * scene.time_step())
+        self.stop("time", Stop::Time(time))
     }
 
     /// Ends the run when the scene has taken `steps` steps in all.
     pub fn until_step(self, steps: u64) -> Self {
-        self.until("steps", move |scene| scene.steps() >= steps)
+        self.stop("steps", Stop::Steps(steps))
     }
 
     /// Ends the run when `condition` holds; it is asked before every step, in the order of adding.
-    pub fn until(mut self, name: impl Into<String>, condition: impl FnMut(&Scene) -> bool + 'a) -> Self {
-        self.stops.push((name.into(), Box::new(condition)));
+    pub fn until(self, name: impl Into<String>, condition: impl FnMut(&Scene) -> bool + 'a) -> Self {
+        self.stop(name, Stop::Condition(Box::new(condition)))
+    }
+
+    fn stop(mut self, name: impl Into<String>, stop: Stop<'a>) -> Self {
+        self.stops.push((name.into(), stop));
         self
     }
 
@@ -114,16 +145,32 @@ impl<'a> Run<'a> {
                     })?;
                 }
             }
-            if let Some((name, _)) = self.stops.iter_mut().find_map(|(n, s)| s(scene).then_some((n, s))) {
+            let ended = self
+                .stops
+                .iter_mut()
+                .find_map(|(name, stop)| stop.holds(scene).then_some(&*name));
+            if let Some(name) = ended {
                 return Ok(Finished {
                     reason: name.clone(),
                     steps: scene.steps() - start,
                     seconds: clock.elapsed().as_secs_f64(),
                 });
             }
-            scene.step()?;
+            let taken = scene.steps() - start;
+            let looks = self.observers.iter().map(|(schedule, done, _)| match schedule {
+                Schedule::Steps(n) => n.max(&1) - taken % n.max(&1),
+                Schedule::Seconds(s) => steps_to(*done as f64 * s, scene).saturating_sub(taken),
+            });
+            let stops = self.stops.iter().map(|(_, stop)| stop.ahead(scene));
+            // Without anything due there is no end to come either: one step at a time.
+            scene.step_by(looks.chain(stops).min().unwrap_or(1).max(1))?;
         }
     }
+}
+
+/// The last step that is at `time` (s) or surely before it.
+fn steps_to(time: f64, scene: &Scene) -> u64 {
+    (time / scene.time_step() - 1.0).max(0.0) as u64
 }
 
 fn due(schedule: Schedule, done: u64, scene: &Scene, start: u64) -> bool {

@@ -80,6 +80,35 @@ impl Scene {
         Ok(())
     }
 
+    /// Takes at least one step and at most `most`, and says how many. A fluid that is alone, without bodies and fields, may take several at
+    /// once ([`Lattice::advance_many`](crate::Lattice::advance_many)), up to the guard's next look; the result is that of single steps. Any
+    /// other scene takes one.
+    ///
+    /// # Errors
+    /// As for [`Scene::step`].
+    pub fn step_by(&mut self, most: u64) -> Result<u64, SceneError> {
+        if !self.ready {
+            self.prepare()?;
+        }
+        let look = match self.guard.every {
+            0 => u64::MAX,
+            every => every - self.step % every,
+        };
+        let steps = most.min(look).min(u64::from(u32::MAX));
+        let alone = self.bodies.is_empty() && self.fields.is_empty();
+        let fluid = self.fluid.as_mut().filter(|f| alone && f.inside.is_empty());
+        let Some(fluid) = fluid.filter(|_| steps > 1) else {
+            return self.step().map(|()| 1);
+        };
+        fluid.lattice.advance_many(&fluid.bricks, steps as usize)?;
+        self.step += steps;
+        self.time = self.step as f64 * self.time_step;
+        if steps == look {
+            self.check()?;
+        }
+        Ok(steps)
+    }
+
     /// Lets each body that has moved node by node keep its own constraints.
     fn constrain(&mut self) {
         for (slot, info) in self.bodies.iter_mut().zip(&self.infos) {
