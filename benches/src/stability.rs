@@ -263,24 +263,42 @@ const WAYS: [[i32; 3]; 26] = {
 /// Parts of the limit at which all waves are tried, to see that it is the least.
 const TRIED: [f64; 2] = [1.0, 0.6];
 
+/// Where growth begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit {
+    /// Greatest velocity, lattice units, at which no wave was found to grow.
+    pub speed: f64,
+    /// The wave that grows at once above it, where one does below [`FASTEST`].
+    pub wave: Option<[f64; 3]>,
+}
+
+/// The wave that a search from `k` leads to.
+pub fn follow(linear: &Linear, k: [f64; 3]) -> Worst {
+    let growth = |k: [f64; 3]| wave_of(linear, k);
+    climb(growth(k), &growth)
+}
+
 /// The least velocity (lattice units) along a direction of [`FLOWS`] from which on a wave grows, less at most 1e-4, or
 /// [`FASTEST`]; `at` makes the collision about a velocity.
 ///
 /// A wave that grows at a velocity is followed down to where it no longer does. There, and at parts of that velocity, all waves are
 /// tried; where another one grows, that is followed further.
-pub fn limit(at: impl Fn([f64; 3]) -> Linear, flow: usize) -> f64 {
+pub fn limit(at: impl Fn([f64; 3]) -> Linear, flow: usize) -> Limit {
     let set = waves(flow);
     let about = |speed: f64| at(FLOWS[flow].map(|d| d * speed));
     let growing = |speed: f64| Some(worst(&about(speed), &set)).filter(|w| w.growth > 1.0 + TOLERANCE);
     let mut high = FASTEST;
-    let Some(mut wave) = growing(high) else { return FASTEST };
+    let Some(mut wave) = growing(high) else {
+        return Limit {
+            speed: FASTEST,
+            wave: None,
+        };
+    };
     loop {
         let mut low = 0.0;
         while high - low > CLOSE {
             let middle = 0.5 * (low + high);
-            let linear = about(middle);
-            let growth = |k: [f64; 3]| wave_of(&linear, k);
-            let found = climb(growth(wave.k), &growth);
+            let found = follow(&about(middle), wave.k);
             if found.growth > 1.0 + TOLERANCE {
                 (high, wave) = (middle, found);
             } else {
@@ -292,7 +310,12 @@ pub fn limit(at: impl Fn([f64; 3]) -> Linear, flow: usize) -> f64 {
             .find_map(|part| growing(part * low).map(|w| (part * low, w)));
         match lower {
             Some(found) => (high, wave) = found,
-            None => return low,
+            None => {
+                return Limit {
+                    speed: low,
+                    wave: Some(wave.k),
+                };
+            }
         }
     }
 }
@@ -328,7 +351,7 @@ mod tests {
                 .stable_speed()
                 .expect("in the table");
             let case = Case::named(name).expect("a case");
-            let limits = [0, 1, 2].map(|flow| case.limit(tau, flow));
+            let limits = [0, 1, 2].map(|flow| case.limit(tau, flow).speed);
             let flow = (0..3).min_by(|a, b| limits[*a].total_cmp(&limits[*b])).unwrap_or(0);
             assert!((known - limits[flow]).abs() < 1e-5, "{name}: {known} {limits:?}");
             let about = |speed: f64| case.about(tau, FLOWS[flow].map(|d| d * speed));

@@ -53,9 +53,9 @@ fn run(options: &Options) -> Result<(), Fault> {
         let rows = side_by_side(chunk, |(case, tau)| {
             Ok([0, 1, 2].map(|flow| {
                 if options.compressible {
-                    case.compressible_limit(*tau, flow)
+                    case.compressible_limit(*tau, flow).speed
                 } else {
-                    case.limit(*tau, flow)
+                    case.limit(*tau, flow).speed
                 }
             }))
         })?;

@@ -1,6 +1,6 @@
 //! The collisions of the scan.
 
-use super::{Linear, limit};
+use super::{Limit, Linear, limit};
 use lbm_ibm::lbm::models::{CentralMoments, Mrt, MrtRates, RecursiveRegularised, Regularised, TwoRates};
 use lbm_ibm::lbm::{D2Q9, D3Q19, D3Q27, Model, OddRate};
 
@@ -92,13 +92,13 @@ impl Case {
         self.ask(tau, &About(u))
     }
 
-    /// Greatest stable velocity, lattice units, along a direction of [`super::FLOWS`].
-    pub fn limit(&self, tau: f64, flow: usize) -> f64 {
+    /// Greatest stable velocity along a direction of [`super::FLOWS`].
+    pub fn limit(&self, tau: f64, flow: usize) -> Limit {
         limit(|u| self.about(tau, u), flow)
     }
 
     /// The same with the equilibrium of the reference file.
-    pub fn compressible_limit(&self, tau: f64, flow: usize) -> f64 {
+    pub fn compressible_limit(&self, tau: f64, flow: usize) -> Limit {
         limit(|u| self.compressible_about(tau, u), flow)
     }
 
