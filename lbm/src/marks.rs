@@ -13,25 +13,26 @@ use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
 
-/// In place of the number of the node behind, where there is none.
-const NONE: u32 = u32::MAX;
-/// Links from one to that whose places are asked for.
+/// Bits of a code that say which population comes back; the others say which node of its piece the link is of.
+const BITS: u32 = 5;
+/// Populations that can be told apart.
+const CODED: usize = 1 << BITS;
+/// How many links before its own the place behind is asked for.
 const AHEAD: usize = 24;
 
 /// Links into walls to which something is added, in the order of their nodes.
 #[derive(Default)]
 pub struct Marks {
-    /// Number of the node.
-    nodes: Vec<u32>,
-    /// The population that comes back.
-    directions: Vec<u8>,
+    /// The node, counted in its piece, and the population that comes back.
+    codes: Vec<u16>,
     /// What a sliding wall adds; empty where no wall slides.
     pushes: Vec<f64>,
-    /// The node behind the node, the share of what arrives, and what a swelling wall would add (see [`Cut`]); empty where no link is
-    /// interpolated.
+    /// Where the node behind has the population that comes back ([`Cut::behind`]), the share of what arrives, and what a swelling wall
+    /// would add in parts of `unit`; empty where no link is interpolated.
     behind: Vec<u32>,
     arriving: Vec<f64>,
-    swells: Vec<f64>,
+    swells: Vec<i32>,
+    unit: f64,
     /// The share of what leaves; empty where it is that of what arrives, less than nothing.
     leaving: Vec<f64>,
     /// Whether links read each other's places.
@@ -49,11 +50,32 @@ pub struct Pass<'a> {
     pub odd: bool,
     /// Velocity, lattice units, by which interpolated walls give way.
     pub shrink: f64,
+    /// Whether the balance of momentum is wanted.
+    pub tally: bool,
+}
+
+/// Places as a pass needs them.
+struct View<S> {
+    data: *mut S,
+    /// Where the populations of node 0 stand, and those opposite to them.
+    own: [usize; CODED],
+    opposite: [usize; CODED],
+    odd: bool,
+    /// By how much of its unit each wall gives way.
+    shrink: f64,
+}
+
+impl<S: Element> View<S> {
+    #[inline(always)]
+    unsafe fn get(&self, place: usize) -> f64 {
+        // SAFETY: the caller's: it is the place of a node.
+        unsafe { (*self.data.add(place)).get() }
+    }
 }
 
 impl Marks {
     /// From all links into walls, `(home, direction)`, what sliding adds to each (or nothing at all), and those that are cut, in the
-    /// same order. `piece` is the number of nodes whose links are asked for together.
+    /// same order. `piece` is the number of nodes whose links are seen to together.
     pub fn new(
         storage: &Storage,
         links: impl Iterator<Item = (usize, u8)>,
@@ -61,9 +83,13 @@ impl Marks {
         cuts: &[Cut],
         piece: usize,
     ) -> Self {
+        const { assert!(MAX_Q <= CODED) }
         let arrays = storage.arrays();
+        let most = cuts.iter().map(|c| c.swell.abs()).fold(0.0, f64::max);
         let mut marks = Self {
             piece,
+            unit: most / f64::from(i32::MAX),
+            first: vec![0],
             ..Self::default()
         };
         let opposed = cuts.iter().all(|c| c.shares.leaving == -c.shares.arriving);
@@ -75,38 +101,37 @@ impl Marks {
             if push == 0.0 && cut.is_none() {
                 continue;
             }
-            marks.nodes.push((home - arrays[i]) as u32);
-            marks.directions.push(direction);
+            let node = home - arrays[i];
+            while marks.first.len() <= node / piece {
+                marks.first.push(marks.codes.len() as u32);
+            }
+            marks.codes.push((node % piece << BITS | i) as u16);
             if !pushes.is_empty() {
                 marks.pushes.push(push);
             }
             if cuts.is_empty() {
                 continue;
             }
-            let behind = cut.filter(|c| c.behind != c.near);
             marks
                 .behind
-                .push(behind.map_or(NONE, |c| (c.behind - arrays[i]) as u32));
+                .push(cut.map_or(arrays[opposite(i)] + node, |c| c.behind) as u32);
             let shares = cut.map_or([0.0; 2], |c| [c.shares.arriving, c.shares.leaving]);
-            marks.clash |= behind.is_none() && shares != [0.0; 2];
+            marks.clash |= cut.is_none_or(|c| c.behind == c.near) && shares != [0.0; 2];
             marks.arriving.push(shares[0]);
             if !opposed {
                 marks.leaving.push(shares[1]);
             }
-            marks.swells.push(cut.map_or(0.0, |c| c.swell));
+            let swell = cut
+                .filter(|_| shares != [0.0; 2] && most > 0.0)
+                .map_or(0.0, |c| c.swell / marks.unit);
+            marks.swells.push(swell.round() as i32);
         }
-        let pieces = marks.nodes.last().map_or(0, |last| *last as usize / piece + 1);
-        let first = |n: usize| marks.nodes.partition_point(|node| (*node as usize) < n * piece) as u32;
-        marks.first = (0..=pieces).map(first).collect();
-        marks.nodes.shrink_to_fit();
+        marks.first.push(marks.codes.len() as u32);
+        marks.codes.shrink_to_fit();
         marks.behind.shrink_to_fit();
-        marks.directions.shrink_to_fit();
-        for numbers in [
-            &mut marks.pushes,
-            &mut marks.arriving,
-            &mut marks.swells,
-            &mut marks.leaving,
-        ] {
+        marks.swells.shrink_to_fit();
+        marks.first.shrink_to_fit();
+        for numbers in [&mut marks.pushes, &mut marks.arriving, &mut marks.leaving] {
             numbers.shrink_to_fit();
         }
         marks
@@ -114,12 +139,12 @@ impl Marks {
 
     /// Number of links.
     pub fn len(&self) -> usize {
-        self.nodes.len()
+        self.codes.len()
     }
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
+        self.codes.is_empty()
     }
 
     /// Whether any of them is interpolated.
@@ -139,40 +164,54 @@ impl Marks {
 
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.pushes, &self.arriving, &self.swells, &self.leaving];
-        size_of_val(&*self.nodes)
-            + size_of_val(&*self.directions)
+        let numbers = [&self.pushes, &self.arriving, &self.leaving];
+        size_of_val(&*self.codes)
             + size_of_val(&*self.behind)
+            + size_of_val(&*self.swells)
             + size_of_val(&*self.first)
             + numbers.map(|n| size_of_val(&**n)).iter().sum::<usize>()
     }
 
     /// Number of the node, and population that comes back, of link `n`.
     pub fn link(&self, n: usize) -> (usize, usize) {
-        (self.nodes[n] as usize, usize::from(self.directions[n]))
+        let piece = self.first.partition_point(|first| *first as usize <= n) - 1;
+        self.link_of(piece, n)
+    }
+
+    /// The same, of a link of a piece.
+    #[inline(always)]
+    fn link_of(&self, piece: usize, n: usize) -> (usize, usize) {
+        let code = usize::from(self.codes[n]);
+        (piece * self.piece + (code >> BITS), code % CODED)
     }
 
     /// Links of a piece.
-    pub fn of_piece(&self, n: usize) -> Range<usize> {
+    fn of_piece(&self, n: usize) -> Range<usize> {
         let first = |n: usize| self.first.get(n).map_or(self.len(), |l| *l as usize);
         first(n)..first(n + 1)
     }
 
-    /// Links of a range of nodes.
-    pub fn of_nodes(&self, nodes: &Range<usize>) -> Range<usize> {
-        let first = |node: usize| {
-            let piece = self.of_piece(node / self.piece);
-            piece.start + self.nodes[piece].partition_point(|n| (*n as usize) < node)
-        };
-        first(nodes.start)..first(nodes.end)
+    /// Pieces with links.
+    fn pieces(&self) -> usize {
+        self.first.len().saturating_sub(1)
+    }
+
+    /// The nodes and populations of all links.
+    fn all(&self) -> impl Iterator<Item = (usize, usize)> {
+        (0..self.pieces()).flat_map(move |piece| self.of_piece(piece).map(move |n| self.link_of(piece, n)))
     }
 
     /// Nodes of a slab, a multiple of `unit` and at least `least`, such that what is behind a node stands no further than in the next
     /// slab, but for those of the first slab and the last three; all `nodes` if there is no such number.
-    pub fn slab(&self, nodes: usize, least: usize, unit: usize) -> usize {
+    pub fn slab(&self, storage: &Storage, nodes: usize, least: usize, unit: usize) -> usize {
+        let arrays = storage.arrays();
         let pairs = || {
-            let pairs = self.nodes.iter().zip(&self.behind).filter(|(_, b)| **b != NONE);
-            pairs.map(|(a, b)| (*a as usize, *b as usize))
+            let pairs = self.all().zip(&self.behind);
+            // Where no node is behind it is a place of the node itself.
+            pairs.filter_map(|((node, i), behind)| {
+                let behind = *behind as usize;
+                (behind != arrays[opposite(i)] + node).then(|| (node, behind - arrays[i]))
+            })
         };
         // Neighbours at opposite ends of the grid are at opposite ends of the numbers.
         let apart = pairs().map(|(a, b)| a.abs_diff(b).min(nodes - a.abs_diff(b)));
@@ -182,48 +221,41 @@ impl Marks {
         if pairs().all(fits) { slab } else { nodes }
     }
 
+    fn view<S>(&self, pass: Pass) -> View<S> {
+        let (q, arrays) = (pass.storage.velocities().q(), pass.storage.arrays());
+        let mut view = View {
+            data: pass.storage.data().cast(),
+            own: [0; CODED],
+            opposite: [0; CODED],
+            odd: pass.odd,
+            shrink: pass.shrink * self.unit,
+        };
+        for i in 0..q {
+            view.own[i] = arrays[i];
+            view.opposite[i] = arrays[opposite(i)];
+        }
+        view
+    }
+
     /// What interpolation adds to link `n`.
     ///
     /// # Safety
-    /// Its node and the one behind have taken the step, and nobody writes to their places. Numbers are stored as `S`.
+    /// Its node and the one behind have taken the step, and nobody writes to their places.
     #[inline(always)]
-    unsafe fn interpolated<S: Element>(&self, pass: Pass, n: usize) -> f64 {
-        if self.arriving.is_empty() || (self.arriving[n] == 0.0 && self.leaving.get(n).is_none_or(|l| *l == 0.0)) {
-            return 0.0;
-        }
-        let ((node, i), arrays) = (self.link(n), pass.storage.arrays());
-        let data = pass.storage.data().cast::<S>();
+    unsafe fn interpolated<S: Element>(&self, view: &View<S>, (node, i): (usize, usize), n: usize) -> f64 {
         // SAFETY: all are places of nodes.
         unsafe {
-            let get = |place: usize| (*data.add(place)).get();
-            let near = get(arrays[opposite(i)] + node);
             // Where a wall is behind, what left this one waits at that one in either step.
-            let far = match self.behind[n] {
-                NONE => near,
-                node => get(arrays[i] + node as usize),
-            };
-            let (arriving, leaving) = if pass.odd { (near, far) } else { (far, near) };
+            let (near, far) = (view.get(view.opposite[i] + node), view.get(self.behind[n] as usize));
+            let (arriving, leaving) = if view.odd { (near, far) } else { (far, near) };
             let more = match self.leaving.get(n) {
                 None => self.arriving[n] * (arriving - leaving),
                 Some(share) => {
-                    let own = get(arrays[i] + node);
+                    let own = view.get(view.own[i] + node);
                     self.arriving[n] * (arriving - own) + share * (leaving - own)
                 }
             };
-            more - pass.shrink * self.swells[n]
-        }
-    }
-
-    /// Asks for the places of a link that comes later.
-    #[inline(always)]
-    fn fetch<S: Element>(&self, pass: Pass, n: usize) {
-        if n < self.behind.len() {
-            let ((node, i), arrays) = (self.link(n), pass.storage.arrays());
-            let data = pass.storage.data().cast::<S>();
-            let behind = self.behind[n] as usize;
-            for place in [arrays[i] + node, arrays[opposite(i)] + node, arrays[i] + behind] {
-                prefetch(data.wrapping_add(place));
-            }
+            more - view.shrink * f64::from(self.swells[n])
         }
     }
 
@@ -232,56 +264,137 @@ impl Marks {
     /// # Safety
     /// All nodes have taken the step, and nothing writes to the populations.
     pub unsafe fn find(&self, pass: Pass, first: usize, more: &mut [f64]) {
-        for (n, more) in (first..).zip(more) {
-            // SAFETY: the caller's.
-            *more = unsafe { self.any_interpolated(pass, n) };
-        }
-    }
-
-    unsafe fn any_interpolated(&self, pass: Pass, n: usize) -> f64 {
         // SAFETY: the caller's.
         unsafe {
             match pass.storage.precision() {
-                Precision::F64 => self.interpolated::<f64>(pass, n),
-                Precision::F32 => self.interpolated::<f32>(pass, n),
-                Precision::F16 => self.interpolated::<Half>(pass, n),
+                Precision::F64 => self.find_in(&self.view::<f64>(pass), first, more),
+                Precision::F32 => self.find_in(&self.view::<f32>(pass), first, more),
+                Precision::F16 => self.find_in(&self.view::<Half>(pass), first, more),
             }
         }
     }
 
-    /// Adds to links, by interpolation what is kept or else found now; returns what that does to the balance.
+    unsafe fn find_in<S: Element>(&self, view: &View<S>, first: usize, more: &mut [f64]) {
+        let end = first + more.len();
+        let start = self.first.partition_point(|n| *n as usize <= first).saturating_sub(1);
+        for piece in start..self.pieces() {
+            let links = self.of_piece(piece);
+            if links.start >= end {
+                return;
+            }
+            for n in links.start.max(first)..links.end.min(end) {
+                // SAFETY: the caller's.
+                more[n - first] = unsafe { self.interpolated(view, self.link_of(piece, n), n) };
+            }
+        }
+    }
+
+    /// Adds to the links of the pieces from number `first` on, one for each of `balances`, by interpolation what is kept or else found
+    /// now.
     ///
     /// # Safety
     /// Their nodes and those behind have taken the step, and nothing else touches their places.
-    pub unsafe fn add(&self, pass: Pass, links: Range<usize>, kept: &[f64]) -> Balance {
+    pub unsafe fn add(&self, pass: Pass, first: usize, balances: &mut [Balance], kept: &[f64]) {
         // SAFETY: the caller's.
         unsafe {
             match pass.storage.precision() {
-                Precision::F64 => self.add_to::<f64>(pass, links, kept),
-                Precision::F32 => self.add_to::<f32>(pass, links, kept),
-                Precision::F16 => self.add_to::<Half>(pass, links, kept),
+                Precision::F64 => self.add_to(&self.view::<f64>(pass), pass, first, balances, kept),
+                Precision::F32 => self.add_to(&self.view::<f32>(pass), pass, first, balances, kept),
+                Precision::F16 => self.add_to(&self.view::<Half>(pass), pass, first, balances, kept),
             }
         }
     }
 
-    unsafe fn add_to<S: Element>(&self, pass: Pass, links: Range<usize>, kept: &[f64]) -> Balance {
-        let (arrays, velocities) = (pass.storage.arrays(), pass.storage.velocities());
-        let data = pass.storage.data().cast::<S>();
-        let mut balance = Balance::default();
+    unsafe fn add_to<S: Element>(
+        &self,
+        view: &View<S>,
+        pass: Pass,
+        first: usize,
+        balances: &mut [Balance],
+        kept: &[f64],
+    ) {
+        let plain = self.interpolate() && kept.is_empty() && self.pushes.is_empty() && !pass.tally;
+        for (piece, balance) in (first..).zip(balances) {
+            self.fetch(view, piece + 1);
+            // SAFETY: the caller's.
+            unsafe {
+                if plain {
+                    balance.gained += self.add_plainly(view, piece);
+                } else {
+                    self.add_all(view, pass, piece, balance, kept);
+                }
+            }
+        }
+    }
+
+    /// Asks for the places of the links of a piece.
+    #[inline(always)]
+    fn fetch<S>(&self, view: &View<S>, piece: usize) {
+        for n in self.of_piece(piece) {
+            let (node, i) = self.link_of(piece, n);
+            prefetch(view.data.wrapping_add(view.own[i] + node));
+            prefetch(view.data.wrapping_add(view.opposite[i] + node));
+        }
+    }
+
+    /// Adds to the links of a piece where nothing is kept, no wall slides and no balance but that of the mass is wanted, which is
+    /// returned.
+    ///
+    /// # Safety
+    /// As for [`Marks::add`].
+    #[inline(always)]
+    unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize) -> f64 {
+        let (links, base) = (self.of_piece(piece), piece * self.piece);
+        let later = self.behind[links.start..].iter().skip(AHEAD);
+        for behind in later.take(links.len()) {
+            prefetch(view.data.wrapping_add(*behind as usize));
+        }
+        let codes = self.codes[links.clone()].iter();
+        let shares = self.arriving[links.clone()].iter().zip(&self.swells[links.clone()]);
+        // Turned round, the difference of what arrives and what leaves.
+        let sign = if view.odd { -1.0 } else { 1.0 };
+        let mut gained = 0.0;
+        for ((code, behind), (share, swell)) in codes.zip(&self.behind[links]).zip(shares) {
+            let (node, i) = (base + usize::from(*code >> BITS), usize::from(*code) % CODED);
+            // SAFETY: the place is this link's; the rest is the caller's.
+            unsafe {
+                let across = view.get(*behind as usize) - view.get(view.opposite[i] + node);
+                let more = share * (sign * across) - view.shrink * f64::from(*swell);
+                gained += more;
+                let place = view.data.add(view.own[i] + node);
+                *place = S::near((*place).get() + more);
+            }
+        }
+        gained
+    }
+
+    /// Adds to the links of a piece whatever there is.
+    ///
+    /// # Safety
+    /// As for [`Marks::add`].
+    unsafe fn add_all<S: Element>(
+        &self,
+        view: &View<S>,
+        pass: Pass,
+        piece: usize,
+        balance: &mut Balance,
+        kept: &[f64],
+    ) {
+        let velocities = pass.storage.velocities();
         // Of each population, what was added.
         let mut sums = [0.0; MAX_Q];
-        for n in links {
-            self.fetch::<S>(pass, n + AHEAD);
-            let (node, i) = self.link(n);
+        for n in self.of_piece(piece) {
+            let (node, i) = self.link_of(piece, n);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
                 let more = match kept.get(n) {
                     Some(more) => *more,
-                    None => self.interpolated::<S>(pass, n),
+                    None if self.interpolate() => self.interpolated(view, (node, i), n),
+                    None => 0.0,
                 };
                 balance.gained += more;
                 let added = more + self.pushes.get(n).copied().unwrap_or(0.0);
-                let place = data.add(arrays[i] + node);
+                let place = view.data.add(view.own[i] + node);
                 *place = S::near((*place).get() + added);
                 sums[i] += added;
             }
@@ -291,7 +404,23 @@ impl Marks {
                 *wall += f64::from(c) * sum;
             }
         }
-        balance
+    }
+
+    /// Adds what sliding walls add to the links of a range of nodes; none is interpolated.
+    ///
+    /// # Safety
+    /// The nodes have taken the step, and nothing else touches their places.
+    pub unsafe fn push(&self, storage: &Storage, nodes: &Range<usize>) {
+        for piece in nodes.start / self.piece..nodes.end.div_ceil(self.piece) {
+            for n in self.of_piece(piece) {
+                let (node, i) = self.link_of(piece, n);
+                if nodes.contains(&node) {
+                    let place = storage.arrays()[i] + node;
+                    // SAFETY: the place is this link's.
+                    unsafe { storage.write(place, storage.read(place) + self.pushes[n]) };
+                }
+            }
+        }
     }
 
     /// What was added to link `n` in the last step.
@@ -299,8 +428,11 @@ impl Marks {
     /// # Safety
     /// Nobody writes to the populations.
     pub unsafe fn added(&self, pass: Pass, n: usize, kept: &[f64]) -> f64 {
-        // SAFETY: the caller's; where nothing is kept, the places that it depends on have not been changed since.
-        let more = unsafe { kept.get(n).copied().unwrap_or_else(|| self.any_interpolated(pass, n)) };
-        more + self.pushes.get(n).copied().unwrap_or(0.0)
+        let mut more = [kept.get(n).copied().unwrap_or(0.0)];
+        if kept.is_empty() && self.interpolate() {
+            // SAFETY: the caller's; where nothing is kept, the places that it depends on have not been changed since.
+            unsafe { self.find(pass, n, &mut more) };
+        }
+        more[0] + self.pushes.get(n).copied().unwrap_or(0.0)
     }
 }

@@ -13,7 +13,7 @@
 use crate::collide::Places;
 use crate::element::Precision;
 use crate::ferry::{BLOCKS, Batch, Buffer, Other, STRIDE};
-use crate::stencil::opposite;
+use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
 
@@ -193,8 +193,14 @@ impl Packed {
     pub fn places(&self, storage: &Storage, batch: usize, buffer: &mut Buffer) -> Places {
         let start = buffer.start();
         let mut places: Places = std::array::from_fn(|i| start.wrapping_add(i.min(self.q - 1) * STRIDE));
-        places[0] = self.own(storage, batch)[0];
+        places[0] = self.resting(storage, batch);
         places
+    }
+
+    /// The place of population 0 of the first node of a batch.
+    fn resting(&self, storage: &Storage, batch: usize) -> *mut u8 {
+        let number = storage.arrays()[0] + batch * self.batch();
+        storage.data().wrapping_add(number * self.precision.bytes())
     }
 
     /// The nodes' own places from the first of a batch on.
@@ -206,8 +212,10 @@ impl Packed {
 
     /// About where the populations of a batch stand before an odd step.
     pub fn sources(&self, storage: &Storage, batch: usize) -> Places {
-        let (mut places, bytes) = (self.own(storage, batch), self.precision.bytes());
-        let sources = self.of(batch).sources.iter().step_by(BLOCKS);
+        let first = self.resting(storage, batch);
+        let (mut places, bytes) = ([first; MAX_Q], self.precision.bytes());
+        let slots = (self.q - 1) * BLOCKS;
+        let sources = self.sources[batch * slots..][..slots].iter().step_by(BLOCKS);
         for (place, source) in places[1..].iter_mut().zip(sources) {
             *place = storage.data().wrapping_add(*source as usize * bytes);
         }

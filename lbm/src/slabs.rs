@@ -70,11 +70,8 @@ impl Fluid {
         let (pass, marks, start) = (self.pass(self.odd), &self.links.marks, part.start);
         let few = self.mask.fluid_nodes < FEW_NODES;
         parallel::for_pieces(few, &mut balances[part], PIECE, |first, balances| {
-            for (batch, balance) in (start + first..).zip(balances) {
-                let links = marks.of_piece(batch);
-                // SAFETY: the nodes and those behind are done, and each link is worked on once.
-                balance.add(&unsafe { marks.add(pass, links, &self.more) });
-            }
+            // SAFETY: the nodes and those behind are done, and each link is worked on once.
+            unsafe { marks.add(pass, start + first, balances, &self.more) };
         });
         self.balances = balances;
     }
@@ -84,7 +81,9 @@ impl Fluid {
         let Some(packed) = &self.links.packed else { return 0 };
         let populations = self.storage.velocities().q() * self.storage.precision().bytes();
         let unit = packed.batch() * PIECE;
-        self.links.marks.slab(packed.nodes(), SLAB / populations, unit)
+        self.links
+            .marks
+            .slab(&self.storage, packed.nodes(), SLAB / populations, unit)
     }
 
     /// What the pass over links has to know of a step, odd or not.
@@ -93,6 +92,7 @@ impl Fluid {
             storage: &self.storage,
             odd,
             shrink: self.shrink,
+            tally: self.drive.is_flux(),
         }
     }
 }

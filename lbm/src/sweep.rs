@@ -9,7 +9,6 @@
 //! of rows are done one after the other, each of them `t` rows behind in step `t`, and within a block the planes in turn,
 //! again each `t` planes behind.
 
-use crate::marks::Pass;
 use crate::packed::Packed;
 use crate::parallel;
 use crate::step::{Ahead, Step};
@@ -144,14 +143,7 @@ impl Sweep<'_> {
         // SAFETY: the caller's contract.
         unsafe {
             self.step.packed(packed, nodes.clone(), odd, |_, _| {});
-            if !links.marks.is_empty() {
-                let pass = Pass {
-                    storage: self.step.storage,
-                    odd,
-                    shrink: 0.0,
-                };
-                links.marks.add(pass, links.marks.of_nodes(&nodes), &[]);
-            }
+            links.marks.push(self.step.storage, &nodes);
         }
     }
 }
