@@ -73,8 +73,12 @@ impl Interpolate<'_> {
             };
             // SAFETY: all are places of the populations, and this wall alone writes to its own.
             unsafe {
-                let send = |side: &Side, own: f64| [own, own + side.push + self.more(&side.cut, own)];
-                *exchanged = [send(a, self.get(from_a)), send(b, self.get(from_b))];
+                let send = |side: &Side, own: f64, other: f64| {
+                    let back = own + side.push + (1.0 - side.through) * self.more(&side.cut, own);
+                    [own, back + side.through * (other - own)]
+                };
+                let (own, other) = (self.get(from_a), self.get(from_b));
+                *exchanged = [send(a, own, other), send(b, other, own)];
                 self.storage.write(to(a), exchanged[0][1]);
                 self.storage.write(to(b), exchanged[1][1]);
             }

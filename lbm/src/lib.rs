@@ -44,6 +44,7 @@ mod parallel;
 mod reading;
 mod real;
 mod relaxation;
+mod rim;
 mod rule;
 mod save;
 mod simd;

@@ -51,6 +51,8 @@ pub struct Side {
     pub cut: Cut,
     /// What a sliding wall adds.
     pub push: f64,
+    /// The share of what goes out that passes the rim of the wall, the same on both sides.
+    pub through: f64,
     /// The node, and where its link meets the wall.
     pub node: [usize; 3],
     pub fraction: f64,

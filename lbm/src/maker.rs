@@ -5,6 +5,7 @@ use crate::faces::Faces;
 use crate::links::{Cut, Link, Links, NO_ROW, Row, Side};
 use crate::mask::Mask;
 use crate::pack::Packing;
+use crate::rim::share;
 use crate::rule::{CutLink, LinkRule, Shares};
 use crate::stencil::opposite;
 use crate::storage::Storage;
@@ -64,7 +65,7 @@ impl<'a> Maker<'a> {
             row_at: vec![NO_ROW; self.surface.grid.shape[1] * self.surface.grid.shape[2]],
             ..Links::default()
         };
-        for &(node, i) in &thin {
+        for &(node, i, _) in &thin {
             self.severed.push((node, i));
             if let Some(far) = self.surface.in_grid(node, i) {
                 self.severed.push((far, opposite(i)));
@@ -103,9 +104,10 @@ impl<'a> Maker<'a> {
                 });
             }
         }
-        for (node, i) in thin {
+        for (node, i, rim) in thin {
             if let Some(far) = self.surface.in_grid(node, i) {
-                let sides = [self.side(node, i, &mut links), self.side(far, opposite(i), &mut links)];
+                let through = share(rim, self.tau);
+                let sides = [(node, i), (far, opposite(i))].map(|(node, i)| self.side(node, i, through, &mut links));
                 links.thin.push(sides);
             }
         }
@@ -251,8 +253,8 @@ impl<'a> Maker<'a> {
         }
     }
 
-    /// The side of a thin wall on which `node` lies, population `i` returning to it.
-    fn side(&self, node: [usize; 3], i: usize, links: &mut Links) -> Side {
+    /// The side of a thin wall on which `node` lies, population `i` returning to it and the share `through` passing.
+    fn side(&self, node: [usize; 3], i: usize, through: f64, links: &mut Links) -> Side {
         let [x, j, k] = node.map(|i| i as isize);
         let [cx, cy, cz] = self.c(i);
         let [sj, sk] = self.storage.wrapped(j - cy, k - cz);
@@ -268,11 +270,12 @@ impl<'a> Maker<'a> {
         let meeting = self.meeting(node, i);
         let cut = self.cut(node, i, link, meeting, links);
         if cut.shares != Shares::HALFWAY {
-            links.swell += cut.swell;
+            links.swell += (1.0 - through) * cut.swell;
         }
         Side {
             cut,
-            push: cut.shares.push * meeting.push,
+            push: (1.0 - through) * cut.shares.push * meeting.push,
+            through,
             node,
             fraction: meeting.fraction,
         }

@@ -38,8 +38,9 @@ pub struct Meeting {
 /// Walls between nodes.
 #[derive(Default)]
 pub struct Between {
-    /// Links from a fluid node against a direction to another one, with a wall between them.
-    pub thin: Vec<([usize; 3], usize)>,
+    /// Links from a fluid node against a direction to another one, with a wall between them; or, at a distance (in spacings)
+    /// above zero, the rim of one.
+    pub thin: Vec<([usize; 3], usize, f64)>,
     /// Links along the axes between two solid nodes, with a gap between them.
     pub closed_gaps: usize,
 }
@@ -154,8 +155,12 @@ impl Surface<'_> {
                     let Some(far) = self.in_grid(node, i) else { continue };
                     let solid = |n: [usize; 3]| mask.row(n[1], n[2])[n[0]];
                     match (solid(node), solid(far)) {
-                        (false, false) if mask.close(far[1], far[2])[far[0]] && self.is_thin(walls, node, far, i) => {
-                            part.thin.push((node, i));
+                        (false, false) if mask.close(far[1], far[2])[far[0]] => {
+                            let rim = match self.is_thin(walls, node, far, i) {
+                                true => Some(0.0),
+                                false => self.rim(walls, node, far, i),
+                            };
+                            part.thin.extend(rim.map(|rim| (node, i, rim)));
                         }
                         (true, true) if i < 7 && self.is_closed_gap(walls, node, far, i) => part.closed_gaps += 1,
                         _ => {}
@@ -187,6 +192,17 @@ impl Surface<'_> {
         let (a, b) = self.ends(node, i);
         let middle = a + (b - a) * (0.5 * (1.0 + first - last));
         walls.probe(middle, self.t).distance < -DEEP * self.grid.spacing
+    }
+
+    /// As [`Surface::passes_rim`]; the link may leave the box by a periodic face.
+    fn rim(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> Option<f64> {
+        let (a, b) = self.ends(node, i);
+        let found = self.passes_rim(walls, a, b);
+        let (home, start) = self.ends(far, opposite(i));
+        match home == b {
+            true => found,
+            false => found.or_else(|| self.passes_rim(walls, start, home)),
+        }
     }
 
     /// Whether two solid nodes belong to walls that face each other across a gap.

@@ -1,7 +1,7 @@
 //! Flows with exact solutions, and what must be conserved.
 
 use lbm_ibm_coupling::{Bricks, Closure, Grid, Lattice, Plane, Union, Vec3};
-use lbm_ibm_lbm::{Collision, Drive, Fluid, Pace, WallRule};
+use lbm_ibm_lbm::{Collision, Drive, Fluid, Pace, VelocitySet, WallRule};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -62,6 +62,51 @@ fn the_slip_at_a_flat_wall_is_the_formula() {
             }
         }
     }
+}
+
+/// Decay rate per step over `nu k^2` of a shear wave along `axis` on 16 nodes.
+fn decay_of_shear(collision: Collision, set: VelocitySet, tau: f64, axis: usize) -> f64 {
+    let n = 16;
+    let mut shape = [1; 3];
+    shape[axis] = n;
+    let mut fluid = water(shape, [true; 3], tau)
+        .with_collision(collision)
+        .unwrap()
+        .with_velocity_set(set)
+        .unwrap();
+    let (k, along) = (2.0 * PI / n as f64, (axis + 1) % 2);
+    let speed = 1e-4 * SPACING / fluid.time_step();
+    fluid.set_velocity(|p| Vec3::ith(along, speed * (k * p[axis] / SPACING).sin()));
+    let top = |fluid: &Fluid| {
+        let u = &fluid.macroscopic().unwrap().velocity[along];
+        (0..n).map(|i| u[i] * (k * (i as f64 + 0.5)).sin()).sum::<f64>()
+    };
+    // The start is not an eigenvector.
+    run(&mut fluid, 100);
+    let before = top(&fluid);
+    run(&mut fluid, 20);
+    (before / top(&fluid)).ln() / (20.0 * fluid.lattice_viscosity() * k * k)
+}
+
+#[test]
+fn shear_waves_decay_as_the_characteristic_equation_says() {
+    let k = 2.0 * PI / 16.0;
+    for set in [VelocitySet::D3Q19, VelocitySet::D3Q27, VelocitySet::D2Q9] {
+        let (trt, bgk, central) = (Collision::default(), Collision::Bgk, Collision::central_moments());
+        for collision in [trt, bgk, central, Collision::Regularised] {
+            let waves = collision.tau_of_waves().unwrap();
+            for tau in [waves, 0.55, 0.7] {
+                let square = (tau - 0.5_f64).powi(2);
+                let theory = 1.0 + 2.0 / 3.0 * k * k * (0.125 + 0.5 * square - collision.magic(tau));
+                for axis in [0, 1] {
+                    let rate = decay_of_shear(collision, set, tau, axis);
+                    let error = (rate - theory).abs() / k.powi(4);
+                    assert!(error < 0.05, "{set:?} {collision:?} tau {tau}: {rate} {theory} {error}");
+                }
+            }
+        }
+    }
+    assert_eq!(Collision::Trt { magic: 0.1 }.tau_of_waves(), None);
 }
 
 /// duct_flow of the reference data: mean velocity of a square duct of half height b is 0.140577015 G b^2/mu.

@@ -103,9 +103,8 @@ impl Steady {
             let mut fluid = numerics.fluid(Grid::new(shape, UM, [true; 3]))?;
             fluid.set_drive(Drive::Force(force))?;
             fluid.set_walls(Some(Arc::new(Closure::new(distance.clone(), 1e-4 * UM))), 0.0)?;
-            if start != Vec3::zeros() {
-                fluid.set_velocity(|_| start);
-            }
+            // At rest means at rest with half a step of the force: else a trace of the start stays between walls, in proportion to tau.
+            fluid.set_velocity(|_| start);
             Ok(fluid)
         })
     }
@@ -199,7 +198,7 @@ fn cells(radius_cells: f64, radius: f64) -> usize {
 }
 
 /// Drag in simple cubic arrays of spheres against Zick and Homsy (1982): within 1 % where the radius is 8 nodes or more, and
-/// the same within 0.1 % at tau 0.55 and 4. Where spheres touch, the nodes between them stay fluid; the order there is that of
+/// the same within 0.02 % at tau 0.55 and 4. Where spheres touch, the nodes between them stay fluid; the order there is that of
 /// the wedge about the contact, and errors are near the digits of the table. Spheres of less than 0.12 of the period are left out: a grid that
 /// has 8 nodes to their radius is too large.
 pub fn sphere_array_drag(table: &Table, effort: Effort) -> Outcome {
@@ -236,9 +235,13 @@ pub fn sphere_array_drag(table: &Table, effort: Effort) -> Outcome {
         }
         let ends = [drags[0], drags[drags.len() - 1]].map(|(h, error, _)| (h, error));
         findings.report("order of K, first to last", observed_order(ends[0], ends[1]), 2.0, 1.0);
-        for tau in if effort.quick { &[1.0][..] } else { &[0.55, 1.0, 4.0] } {
+        for tau in if effort.quick {
+            &[1.0, 4.0][..]
+        } else {
+            &[0.55, 1.0, 4.0]
+        } {
             let k = drag(4.0, *tau, rule)?;
-            findings.check(&format!("K, radius 4, tau {tau} to {TAU}"), k, drags[0].2, 1e-3);
+            findings.check(&format!("K, radius 4, tau {tau} to {TAU}"), k, drags[0].2, 2e-4);
         }
         for rule in [WallRule::Halfway, WallRule::Bouzidi] {
             let k = drag(8.0, TAU, rule)?;
