@@ -111,9 +111,10 @@ pub(crate) struct Placement {
     homes: Vec<Home>,
     /// For each part of the list of markers, the place of its next one in every brick.
     next: Vec<Vec<u32>>,
-    /// Place behind the last marker of each brick.
-    end: Vec<u32>,
+    /// Bricks with markers in ascending order, and the place behind the last marker of each.
+    full: Vec<(u32, u32)>,
     order: Order,
+    /// Of each of those bricks.
     bounds: Vec<Bounds>,
     /// Markers in brick order, by number within a brick.
     pub placed: Vec<Placed>,
@@ -166,7 +167,7 @@ impl Placement {
         support: usize,
         bricks: &mut Bricks,
     ) -> Result<(), (usize, Vec3)> {
-        let axes = Axis::all(grid);
+        let axes = Axis::all(grid, support);
         let counts = bricks.counts();
         self.homes.resize(count, Home::default());
         let spots = Spots {
@@ -207,13 +208,16 @@ impl Placement {
         if self.next.iter().any(|n| n[bricks] > 0) {
             return false;
         }
-        self.end.resize(bricks, 0);
-        let mut first = 0;
+        self.full.clear();
+        let mut end = 0;
         for b in 0..bricks {
+            let first = end;
             for next in &mut self.next {
-                first += std::mem::replace(&mut next[b], first);
+                end += std::mem::replace(&mut next[b], end);
             }
-            self.end[b] = first;
+            if end > first {
+                self.full.push((b as u32, end));
+            }
         }
         self.placed.resize(markers, Placed::default());
         self.order.0.resize_with(markers, AtomicU32::default);
@@ -244,20 +248,19 @@ impl Placement {
 
     /// Groups of markers, their tiles, and the bricks these touch.
     fn group(&mut self, counts: [usize; 3], support: usize, axes: &[Axis; 3]) {
-        self.bounds.resize(self.end.len(), Bounds::default());
-        let (end, placed) = (&self.end, &self.placed);
-        let range = |b: usize| b.checked_sub(1).map_or(0, |b| end[b] as usize)..end[b] as usize;
-        threads::fill(&mut self.bounds, 0, BRICKS, &|b| Bounds::of(&placed[range(b)], support));
+        self.bounds.resize(self.full.len(), Bounds::default());
+        let (full, placed) = (&self.full, &self.placed);
+        let first = |n: usize| n.checked_sub(1).map_or(0, |n| full[n].1 as usize);
+        threads::fill(&mut self.bounds, 0, BRICKS, &|n| {
+            Bounds::of(&placed[first(n)..full[n].1 as usize], support)
+        });
         self.groups.clear();
         self.blocks.clear();
         self.tile_nodes = 0;
-        for b in 0..counts.iter().product() {
-            let Bounds { low, high, rows } = &self.bounds[b];
-            let end = self.end[b] as usize;
-            let first = b.checked_sub(1).map_or(0, |b| self.end[b] as usize);
-            if end == first {
-                continue;
-            }
+        for n in 0..self.full.len() {
+            let Bounds { low, high, rows } = &self.bounds[n];
+            let b = self.full[n].0 as usize;
+            let first = n.checked_sub(1).map_or(0, |n| self.full[n].1 as usize);
             let mut group = Group {
                 first,
                 corner: *low,
