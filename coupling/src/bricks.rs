@@ -1,5 +1,6 @@
 //! Velocity and force where bodies touch the fluid.
 
+use crate::lines::{Lines, prefetch};
 use crate::threads::join;
 use crate::{Grid, Vec3};
 
@@ -29,9 +30,9 @@ pub struct Bricks {
     rows: Vec<u64>,
     dirty: Vec<u64>,
     active: Vec<u32>,
-    velocity: [Vec<f64>; 3],
-    force: [Vec<f64>; 3],
-    spare: Vec<f64>,
+    velocity: [Lines; 3],
+    force: [Lines; 3],
+    spare: Lines,
 }
 
 impl Bricks {
@@ -49,7 +50,7 @@ impl Bricks {
             active: Vec::new(),
             velocity: Default::default(),
             force: Default::default(),
-            spare: Vec::new(),
+            spare: Lines::default(),
         }
     }
 
@@ -78,7 +79,13 @@ impl Bricks {
     /// Slot of a brick, if it is in use.
     #[inline]
     pub fn slot(&self, brick: [usize; 3]) -> Option<usize> {
-        let s = self.slot_of[self.index(brick)];
+        self.slot_of(self.index(brick))
+    }
+
+    /// Slot of a brick by its linear number, if it is in use.
+    #[inline]
+    pub fn slot_of(&self, index: usize) -> Option<usize> {
+        let s = self.slot_of[index];
         (s != NONE).then_some(s as usize)
     }
 
@@ -95,33 +102,34 @@ impl Bricks {
     }
 
     /// Velocity components of all slots, m/s.
-    pub fn velocity(&self) -> &[Vec<f64>; 3] {
-        &self.velocity
+    pub fn velocity(&self) -> [&[f64]; 3] {
+        self.velocity.each_ref().map(Lines::numbers)
     }
 
     /// Velocity components of all slots, m/s, for the fluid to fill.
-    pub fn velocity_mut(&mut self) -> &mut [Vec<f64>; 3] {
-        &mut self.velocity
+    pub fn velocity_mut(&mut self) -> [&mut [f64]; 3] {
+        self.velocity.each_mut().map(Lines::numbers_mut)
     }
 
     /// Force components of all slots, N per grid node.
-    pub fn force(&self) -> &[Vec<f64>; 3] {
-        &self.force
+    pub fn force(&self) -> [&[f64]; 3] {
+        self.force.each_ref().map(Lines::numbers)
     }
 
     /// Force components of all slots, N per grid node, for the exchange to fill.
-    pub fn force_mut(&mut self) -> &mut [Vec<f64>; 3] {
-        &mut self.force
+    pub fn force_mut(&mut self) -> [&mut [f64]; 3] {
+        self.force.each_mut().map(Lines::numbers_mut)
     }
 
     /// Velocity to write and force to read: what a fluid needs to fill in the velocity at half a step of force.
-    pub fn velocity_mut_and_force(&mut self) -> (&mut [Vec<f64>; 3], &[Vec<f64>; 3]) {
-        (&mut self.velocity, &self.force)
+    pub fn velocity_mut_and_force(&mut self) -> ([&mut [f64]; 3], [&[f64]; 3]) {
+        let velocity = self.velocity.each_mut().map(Lines::numbers_mut);
+        (velocity, self.force.each_ref().map(Lines::numbers))
     }
 
     /// Sets all forces to zero.
     pub fn clear_force(&mut self) {
-        let [x, y, z] = self.force.each_mut().map(Vec::as_mut_slice);
+        let [x, y, z] = self.force.each_mut().map(Lines::numbers_mut);
         Clear {
             active: &self.active,
             brick: 0,
@@ -138,6 +146,7 @@ impl Bricks {
             while left != 0 {
                 let at = slot * NODES + left.trailing_zeros() as usize * EDGE;
                 for (velocity, force) in self.velocity.iter_mut().zip(&self.force) {
+                    let (velocity, force) = (velocity.numbers_mut(), force.numbers());
                     for (u, f) in velocity[at..at + EDGE].iter_mut().zip(&force[at..]) {
                         *u = mobility * f;
                     }
@@ -149,7 +158,7 @@ impl Bricks {
 
     /// Sum of all forces, N.
     pub fn total_force(&self) -> Vec3 {
-        let sum = |a: &Vec<f64>| a.iter().sum::<f64>();
+        let sum = |a: &Lines| a.numbers().iter().sum::<f64>();
         Vec3::new(sum(&self.force[0]), sum(&self.force[1]), sum(&self.force[2]))
     }
 
@@ -196,13 +205,13 @@ impl Bricks {
         let n = self.active.len() * NODES;
         for force in &mut self.force {
             std::mem::swap(force, &mut self.spare);
-            force.clear();
-            force.resize(n, 0.0);
+            force.reset(n);
             for (slot, &b) in self.active.iter().enumerate() {
                 let old = self.old_slot_of[b as usize];
                 if old != NONE {
                     let from = old as usize * NODES;
-                    force[slot * NODES..][..NODES].copy_from_slice(&self.spare[from..][..NODES]);
+                    force.numbers_mut()[slot * NODES..][..NODES]
+                        .copy_from_slice(&self.spare.numbers()[from..][..NODES]);
                 }
             }
         }
@@ -212,8 +221,7 @@ impl Bricks {
             }
         }
         for velocity in &mut self.velocity {
-            velocity.clear();
-            velocity.resize(n, 0.0);
+            velocity.reset(n);
         }
     }
 }
@@ -255,6 +263,16 @@ impl Clear<'_> {
             return join(|| left.run(rows), || right.run(rows));
         }
         for (slot, &b) in active.iter().enumerate() {
+            if let Some(&next) = active.get(slot + 1) {
+                let mut left = dirty[next as usize - brick];
+                while left != 0 {
+                    let at = (slot + 1) * NODES + left.trailing_zeros() as usize * EDGE;
+                    for force in [&*x, &*y, &*z] {
+                        prefetch(&force[at]);
+                    }
+                    left &= left - 1;
+                }
+            }
             let b = b as usize;
             let mut left = std::mem::replace(&mut dirty[b - brick], rows[b]);
             while left != 0 {

@@ -11,8 +11,8 @@ pub(crate) struct Axis {
     periodic: bool,
     /// Whether either end is an open face.
     open: [bool; 2],
-    /// First node at which a stencil may reach past the end of the grid, if that matters.
-    last: f64,
+    /// Nodes at which a stencil may begin without going past the end of the grid, where it ends.
+    starts: f64,
 }
 
 /// A run of nodes along an axis of a tile that lies in one brick.
@@ -31,13 +31,14 @@ pub(crate) const SEGMENTS: usize = 16;
 pub(crate) const BEFORE: i8 = 3;
 
 impl Axis {
-    pub fn all(grid: &Grid) -> [Self; 3] {
+    /// The axes of a grid for stencils of `support` nodes.
+    pub fn all(grid: &Grid, support: usize) -> [Self; 3] {
         [0, 1, 2].map(|a| Self {
             origin: grid.origin[a],
             nodes: grid.shape[a] as i64,
             periodic: grid.periodic[a],
             open: grid.open[a],
-            last: grid.shape[a] as f64 - if grid.periodic[a] { 0.0 } else { SEGMENTS as f64 },
+            starts: grid.shape[a] as f64 - if grid.periodic[a] { 0.0 } else { support as f64 - 1.0 },
         })
     }
 
@@ -49,11 +50,11 @@ impl Axis {
         (lower, t - lower)
     }
 
-    /// Whether a lowest node is one of the grid and, where the grid ends, no nearer to its last node than a stencil: no
-    /// case for [`Axis::home`].
+    /// Whether a stencil with that lowest node begins in the grid and, where the grid ends, ends in it: no case for
+    /// [`Axis::home`].
     #[inline(always)]
     pub fn holds(&self, lower: f64) -> bool {
-        lower >= 0.0 && lower < self.last
+        lower >= 0.0 && lower < self.starts
     }
 
     /// Brick, corner in it and remainder of a coordinate (m); none outside the grid, or where the stencil reaches through an open

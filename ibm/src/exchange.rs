@@ -10,7 +10,7 @@ use crate::stability::{inertial_step, node_radius, stable_step};
 use crate::subdivision::{Subdivision, edges, longest_edge};
 use crate::surface::{Markers, Surface};
 use crate::table::{Scratch, Table};
-use crate::transfer;
+use crate::transfer::{self, Node};
 use lbm_ibm_coupling::{
     BodyInfo, Bricks, Exchange, ExchangeError, Grid, ImmersedBody, Motion, RigidState, Soa3, Soa3Mut, Soa3Ref,
     StateError, StateReader, StateWriter,
@@ -283,7 +283,7 @@ impl Exchange for DeltaExchange {
         }
         self.velocity.resize(p.placed.len(), [0.0; 3]);
         let (tiles, u) = (&mut self.tiles, &mut self.velocity);
-        let field = bricks.velocity().each_ref().map(Vec::as_slice);
+        let field = bricks.velocity();
         transfer::interpolate_by(self.kernel, p, field, tiles, u);
         let (rank, u) = (&p.rank, &self.velocity);
         let out = [&mut *velocity.x, &mut *velocity.y, &mut *velocity.z];
@@ -303,9 +303,9 @@ impl Exchange for DeltaExchange {
             Some(inset) => inset.spread(force),
             None => force,
         };
-        let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
+        let field = bricks.force_mut();
         if table.is_plain() {
-            let f = |m: usize| [force.x[m], force.y[m], force.z[m], 0.0];
+            let f = |m: usize| Node([force.x[m], force.y[m], force.z[m], 0.0]);
             return transfer::spread_by(self.kernel, p, f, tiles, field);
         }
         let nodes = table.to_markers(force, &mut self.scratch);

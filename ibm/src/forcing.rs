@@ -21,7 +21,7 @@ pub(crate) use end::End;
 
 use crate::Kernel;
 use crate::placement::Placement;
-use crate::transfer;
+use crate::transfer::{self, Node};
 use lbm_ibm_coupling::nalgebra::Matrix6;
 use lbm_ibm_coupling::{Bricks, ExchangeError, Grid, ImmersedBody, RigidState, Soa3, Vec3};
 use std::f64::consts::PI;
@@ -204,7 +204,7 @@ impl Forcing {
         let h = self.spacing;
         let per_force = dt / (2.0 * density * h.powi(3));
         // The velocity of the fluid without the bodies, then what is missing to no slip and to Newton's law.
-        let field = bricks.velocity().each_ref().map(Vec::as_slice);
+        let field = bricks.velocity();
         transfer::interpolate_by(kernel, &self.placement, field, &mut self.tiles, &mut self.sorted);
         for (m, r) in self.residual.marker.iter_mut().enumerate() {
             *r = -Vec3::from(self.sorted[self.placement.rank[m] as usize]);
@@ -316,7 +316,7 @@ impl Forcing {
         for f in &mut self.field {
             f.fill(0.0);
         }
-        let f = |m: usize| [force[m].x, force[m].y, force[m].z, 0.0];
+        let f = |m: usize| Node([force[m].x, force[m].y, force[m].z, 0.0]);
         let field = self.field.each_mut().map(Vec::as_mut_slice);
         transfer::spread_by(kernel, &self.placement, f, &mut self.tiles, field);
         let field = self.field.each_ref().map(Vec::as_slice);
@@ -350,14 +350,10 @@ impl Forcing {
         }
         let force = &self.state.marker;
         let f = |m: usize| {
-            [
-                force[m].x / per_force,
-                force[m].y / per_force,
-                force[m].z / per_force,
-                0.0,
-            ]
+            let f = force[m] / per_force;
+            Node([f.x, f.y, f.z, 0.0])
         };
-        let field = bricks.force_mut().each_mut().map(Vec::as_mut_slice);
+        let field = bricks.force_mut();
         transfer::spread_by(kernel, &self.placement, f, &mut self.tiles, field);
     }
 }

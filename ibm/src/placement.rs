@@ -6,12 +6,14 @@ use crate::axis::{Axis, BEFORE, SEGMENTS, Segment};
 use crate::table::Table;
 use crate::threads;
 use homes::{Home, OUTSIDE, Spots, homes};
-use lbm_ibm_coupling::{BRICK_EDGE, Bricks, Grid, Soa3Ref, Vec3};
+use lbm_ibm_coupling::{BRICK_EDGE, Bricks, Grid, Soa3Ref, Vec3, prefetch};
 use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Markers per task.
 const LEAF: usize = 2048;
+/// How many markers before its turn one is asked for.
+const AHEAD: usize = 16;
 /// Bricks per task.
 const BRICKS: usize = 32;
 
@@ -49,19 +51,20 @@ impl Group {
     }
 }
 
-/// A box of nodes that a tile and a brick share.
+/// A box of nodes that a tile and a brick share. There are many, so their numbers are short.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    pub brick: [usize; 3],
-    pub slot: usize,
-    pub group: usize,
-    /// Corner in the brick.
-    pub local: [usize; 3],
-    /// Corner in the tile.
-    pub tile: [usize; 3],
-    pub size: [usize; 3],
     /// Rows of the brick that stencils touch: bit `8 z + y`.
     pub rows: u64,
+    /// Linear number of the brick.
+    brick: u32,
+    pub slot: u32,
+    pub group: u32,
+    /// Corner in the brick.
+    pub local: [u8; 3],
+    /// Corner in the tile.
+    pub tile: [u8; 3],
+    pub size: [u8; 3],
 }
 
 /// What the stencils of a brick's markers cover.
@@ -108,9 +111,10 @@ pub(crate) struct Placement {
     homes: Vec<Home>,
     /// For each part of the list of markers, the place of its next one in every brick.
     next: Vec<Vec<u32>>,
-    /// Place behind the last marker of each brick.
-    end: Vec<u32>,
+    /// Bricks with markers in ascending order, and the place behind the last marker of each.
+    full: Vec<(u32, u32)>,
     order: Order,
+    /// Of each of those bricks.
     bounds: Vec<Bounds>,
     /// Markers in brick order, by number within a brick.
     pub placed: Vec<Placed>,
@@ -138,7 +142,13 @@ impl Placement {
         support: usize,
         bricks: &mut Bricks,
     ) -> Result<(), (usize, Vec3)> {
-        self.locate(table.len(), &|m| table.position(m, x), grid, support, bricks)?;
+        if table.is_plain() {
+            let n = table.len();
+            let (x, y, z) = (&x.x[..n], &x.y[..n], &x.z[..n]);
+            self.locate(n, &|m| [x[m], y[m], z[m]], grid, support, bricks)?;
+        } else {
+            self.locate(table.len(), &|m| table.position(m, x), grid, support, bricks)?;
+        }
         bricks.commit();
         self.order_by_slot(bricks);
         Ok(())
@@ -157,7 +167,7 @@ impl Placement {
         support: usize,
         bricks: &mut Bricks,
     ) -> Result<(), (usize, Vec3)> {
-        let axes = Axis::all(grid);
+        let axes = Axis::all(grid, support);
         let counts = bricks.counts();
         self.homes.resize(count, Home::default());
         let spots = Spots {
@@ -174,7 +184,7 @@ impl Placement {
         }
         self.group(counts, support, &axes);
         for block in &self.blocks {
-            bricks.want_rows(bricks.index(block.brick), block.rows);
+            bricks.want_rows(block.brick as usize, block.rows);
         }
         Ok(())
     }
@@ -198,13 +208,16 @@ impl Placement {
         if self.next.iter().any(|n| n[bricks] > 0) {
             return false;
         }
-        self.end.resize(bricks, 0);
-        let mut first = 0;
+        self.full.clear();
+        let mut end = 0;
         for b in 0..bricks {
+            let first = end;
             for next in &mut self.next {
-                first += std::mem::replace(&mut next[b], first);
+                end += std::mem::replace(&mut next[b], end);
             }
-            self.end[b] = first;
+            if end > first {
+                self.full.push((b as u32, end));
+            }
         }
         self.placed.resize(markers, Placed::default());
         self.order.0.resize_with(markers, AtomicU32::default);
@@ -219,6 +232,9 @@ impl Placement {
             }
         });
         threads::fill(&mut self.placed, 0, LEAF, &|p| {
+            if let Some(later) = order.get(p + AHEAD) {
+                prefetch(&homes[later.load(Ordering::Relaxed) as usize]);
+            }
             let marker = order[p].load(Ordering::Relaxed);
             let h = &homes[marker as usize];
             Placed {
@@ -232,20 +248,19 @@ impl Placement {
 
     /// Groups of markers, their tiles, and the bricks these touch.
     fn group(&mut self, counts: [usize; 3], support: usize, axes: &[Axis; 3]) {
-        self.bounds.resize(self.end.len(), Bounds::default());
-        let (end, placed) = (&self.end, &self.placed);
-        let range = |b: usize| b.checked_sub(1).map_or(0, |b| end[b] as usize)..end[b] as usize;
-        threads::fill(&mut self.bounds, 0, BRICKS, &|b| Bounds::of(&placed[range(b)], support));
+        self.bounds.resize(self.full.len(), Bounds::default());
+        let (full, placed) = (&self.full, &self.placed);
+        let first = |n: usize| n.checked_sub(1).map_or(0, |n| full[n].1 as usize);
+        threads::fill(&mut self.bounds, 0, BRICKS, &|n| {
+            Bounds::of(&placed[first(n)..full[n].1 as usize], support)
+        });
         self.groups.clear();
         self.blocks.clear();
         self.tile_nodes = 0;
-        for b in 0..counts.iter().product() {
-            let Bounds { low, high, rows } = &self.bounds[b];
-            let end = self.end[b] as usize;
-            let first = b.checked_sub(1).map_or(0, |b| self.end[b] as usize);
-            if end == first {
-                continue;
-            }
+        for n in 0..self.full.len() {
+            let Bounds { low, high, rows } = &self.bounds[n];
+            let b = self.full[n].0 as usize;
+            let first = n.checked_sub(1).map_or(0, |n| self.full[n].1 as usize);
             let mut group = Group {
                 first,
                 corner: *low,
@@ -261,12 +276,12 @@ impl Placement {
                 *to = from >> y;
             }
             self.tile_nodes += group.nodes();
-            self.cut(&group, axes);
+            self.cut(&group, counts, axes);
             self.groups.push(group);
         }
     }
 
-    fn cut(&mut self, group: &Group, axes: &[Axis; 3]) {
+    fn cut(&mut self, group: &Group, counts: [usize; 3], axes: &[Axis; 3]) {
         let mut segments = [[Segment::default(); SEGMENTS]; 3];
         let mut n = [0; 3];
         for a in 0..3 {
@@ -282,13 +297,13 @@ impl Placement {
                 }
                 for x in xs[..n[0]].iter().filter(|_| rows != 0) {
                     self.blocks.push(Block {
-                        brick: [x.brick, y.brick, z.brick],
-                        slot: 0,
-                        group: self.groups.len(),
-                        local: [x.local, y.local, z.local],
-                        tile: [x.tile, y.tile, z.tile],
-                        size: [x.size, y.size, z.size],
                         rows,
+                        brick: ((z.brick * counts[1] + y.brick) * counts[0] + x.brick) as u32,
+                        slot: 0,
+                        group: self.groups.len() as u32,
+                        local: [x.local, y.local, z.local].map(|n| n as u8),
+                        tile: [x.tile, y.tile, z.tile].map(|n| n as u8),
+                        size: [x.size, y.size, z.size].map(|n| n as u8),
                     });
                 }
             }
@@ -305,15 +320,16 @@ impl Placement {
             group.slot = bricks.slot(group.brick).unwrap_or_default();
         }
         for block in &mut self.blocks {
-            block.slot = bricks.slot(block.brick).unwrap_or_default();
-            self.slot_start[block.slot + 2] += 1;
+            let slot = bricks.slot_of(block.brick as usize).unwrap_or_default();
+            block.slot = slot as u32;
+            self.slot_start[slot + 2] += 1;
         }
         for s in 0..slots {
             self.slot_start[s + 2] += self.slot_start[s + 1];
         }
         self.by_slot.resize(self.blocks.len(), 0);
         for (b, block) in self.blocks.iter().enumerate() {
-            let next = &mut self.slot_start[block.slot + 1];
+            let next = &mut self.slot_start[block.slot as usize + 1];
             self.by_slot[*next as usize] = b as u32;
             *next += 1;
         }
@@ -323,6 +339,12 @@ impl Placement {
     pub fn markers_of(&self, group: usize) -> &[Placed] {
         let end = self.groups.get(group + 1).map_or(self.placed.len(), |g| g.first);
         &self.placed[self.groups[group].first..end]
+    }
+
+    /// Blocks of the tile of one group.
+    pub fn blocks_of(&self, group: usize) -> &[Block] {
+        let end = self.groups.get(group + 1).map_or(self.blocks.len(), |g| g.block);
+        &self.blocks[self.groups[group].block..end]
     }
 
     /// Where to part `groups` so that each half has as many markers, if they have more than `leaf`.
@@ -340,7 +362,7 @@ impl Placement {
     /// First and last of the groups whose tiles reach a slot that is in use.
     pub fn reach_of_slot(&self, slot: usize) -> RangeInclusive<usize> {
         let blocks = &self.by_slot[self.slot_start[slot] as usize..self.slot_start[slot + 1] as usize];
-        let group = |b: Option<&u32>| b.map_or(usize::MAX, |&b| self.blocks[b as usize].group);
+        let group = |b: Option<&u32>| b.map_or(usize::MAX, |&b| self.blocks[b as usize].group as usize);
         group(blocks.first())..=group(blocks.last())
     }
 

@@ -158,7 +158,7 @@ pub(crate) fn node_radius(table: &Table, x: Soa3Ref<'_>, a: f64) -> f64 {
             unit.x[node] = 1.0;
             let force = table.to_markers(unit.view(), &mut scratch);
             let patch: Vec<(f64, Vec3)> = (0..table.len())
-                .map(|m| (table.marker_force(m, force)[0], Vec3::from(table.position(m, x))))
+                .map(|m| (table.marker_force(m, force).0[0], Vec3::from(table.position(m, x))))
                 .filter(|(w, _)| *w != 0.0)
                 .collect();
             let pair = |(w, p): &(f64, Vec3)| -> f64 {

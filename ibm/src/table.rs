@@ -2,6 +2,7 @@
 
 use crate::subdivision::Subdivision;
 use crate::threads;
+use crate::transfer::Node;
 use lbm_ibm_coupling::Soa3Ref;
 use std::ops::Range;
 
@@ -142,14 +143,14 @@ impl Table {
 
     /// Force on a marker of the node forces that [`Table::to_markers`] gives.
     #[inline(always)]
-    pub fn marker_force(&self, m: usize, force: &[[f64; 3]]) -> [f64; 4] {
+    pub fn marker_force(&self, m: usize, force: &[[f64; 3]]) -> Node {
         if self.plain {
             let [x, y, z] = force[m];
-            return [x, y, z, 0.0];
+            return Node([x, y, z, 0.0]);
         }
         let ([i, j, k], [a, b, c]) = (self.parent[m].map(|n| force[n as usize]), self.weight[m]);
         let at = |axis: usize| a * i[axis] + b * j[axis] + c * k[axis];
-        [at(0), at(1), at(2), 0.0]
+        Node([at(0), at(1), at(2), 0.0])
     }
 
     fn markers_of(&self, node: usize) -> &[(u32, f64)] {

@@ -11,12 +11,14 @@ mod tasks;
 use crate::kernel::{Cosine, Cubic, Delta, Hat, Kernel, Peskin, Quadratic, Roma, Six, Smoothed};
 use crate::placement::{Block, Group, Placed, Placement};
 use crate::threads;
-use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Work, on_widest};
+use lbm_ibm_coupling::{BRICK_EDGE, BRICK_NODES, Work, on_widest, prefetch};
 use std::marker::PhantomData;
 use tasks::{Part, each_group};
 
-/// Three components and one to fill a vector register.
-pub(crate) type Node = [f64; 4];
+/// Three components and one to fill a vector register; none lies across two cache lines.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub(crate) struct Node(pub [f64; 4]);
 
 /// Room that is kept between the passes.
 #[derive(Clone, Debug, Default)]
@@ -26,6 +28,8 @@ pub(crate) struct Scratch {
     done: Vec<bool>,
 }
 
+/// Rows of a brick.
+const BRICK_ROWS: usize = BRICK_EDGE * BRICK_EDGE;
 /// Slots per task.
 const SLOTS: usize = 32;
 
@@ -33,8 +37,8 @@ const SLOTS: usize = 32;
 #[inline(always)]
 fn row(block: &Block, group: &Group, bit: usize) -> (usize, usize) {
     let (j, k) = (bit % BRICK_EDGE, bit / BRICK_EDGE);
-    let [x, y, z] = block.local;
-    let [tx, ty, tz] = block.tile;
+    let [x, y, z] = block.local.map(usize::from);
+    let [tx, ty, tz] = block.tile.map(usize::from);
     let tile = ((tz + k - z) * group.size[1] + ty + j - y) * group.size[0] + tx;
     (bit * BRICK_EDGE + x, tile)
 }
@@ -54,7 +58,7 @@ fn bits(mut left: u64) -> impl Iterator<Item = usize> {
 fn clear(group: &Group, tile: &mut [Node]) {
     for (k, rows) in group.rows[..group.size[2]].iter().enumerate() {
         for j in bits(u64::from(*rows)) {
-            tile[(k * group.size[1] + j) * group.size[0]..][..group.size[0]].fill([0.0; 4]);
+            tile[(k * group.size[1] + j) * group.size[0]..][..group.size[0]].fill(Node::default());
         }
     }
 }
@@ -66,19 +70,32 @@ fn corner(p: &Placed, group: &Group) -> usize {
     (z * group.size[1] + y) * group.size[0] + x
 }
 
+/// Asks for the rows of bricks that group `g` reaches, if there is such a group.
+#[inline(always)]
+fn fetch(placement: &Placement, g: usize, field: [&[f64]; 3]) {
+    if g >= placement.groups.len() {
+        return;
+    }
+    for block in placement.blocks_of(g) {
+        let brick = field.map(|a| &a[block.slot as usize * BRICK_NODES..][..BRICK_NODES]);
+        for bit in bits(block.rows) {
+            brick.iter().for_each(|a| prefetch(&a[bit % BRICK_ROWS * BRICK_EDGE]));
+        }
+    }
+}
+
 #[inline(always)]
 fn load_tile(placement: &Placement, g: usize, field: [&[f64]; 3], tile: &mut [Node]) {
     let group = &placement.groups[g];
     clear(group, tile);
-    let end = placement.groups.get(g + 1).map_or(placement.blocks.len(), |n| n.block);
-    for block in &placement.blocks[group.block..end] {
-        let [u, v, w] = field.map(|a| &a[block.slot * BRICK_NODES..][..BRICK_NODES]);
-        let n = block.size[0];
+    for block in placement.blocks_of(g) {
+        let [u, v, w] = field.map(|a| &a[block.slot as usize * BRICK_NODES..][..BRICK_NODES]);
+        let n = usize::from(block.size[0]);
         for bit in bits(block.rows) {
             let (from, to) = row(block, group, bit);
             let (u, v, w) = (&u[from..][..n], &v[from..][..n], &w[from..][..n]);
             for (i, node) in tile[to..][..n].iter_mut().enumerate() {
-                *node = [u[i], v[i], w[i], 0.0];
+                *node = Node([u[i], v[i], w[i], 0.0]);
             }
         }
     }
@@ -96,7 +113,7 @@ fn gather<const S: usize, D: Delta<S>>(p: &Placed, group: &Group, tile: &[Node])
             let mut line = [0.0; 4];
             for i in 0..S {
                 for a in 0..4 {
-                    line[a] += wx[i] * nodes[i][a];
+                    line[a] += wx[i] * nodes[i].0[a];
                 }
             }
             let w = wz[k] * wy[j];
@@ -117,10 +134,10 @@ fn scatter<const S: usize, D: Delta<S>>(p: &Placed, force: Node, group: &Group, 
         for j in 0..S {
             let nodes = &mut tile[corner + k * layer + j * row..][..S];
             let w = wz[k] * wy[j];
-            let f = force.map(|f| w * f);
+            let f = force.0.map(|f| w * f);
             for i in 0..S {
                 for a in 0..4 {
-                    nodes[i][a] += wx[i] * f[a];
+                    nodes[i].0[a] += wx[i] * f[a];
                 }
             }
         }
@@ -134,7 +151,7 @@ pub(crate) fn interpolate<const S: usize, D: Delta<S>>(
     scratch: &mut Scratch,
     out: &mut [[f64; 3]],
 ) {
-    scratch.tiles.resize(placement.tile_nodes, [0.0; 4]);
+    scratch.tiles.resize(placement.tile_nodes, Node::default());
     let work = |g: usize, tile: &mut [Node], out: &mut [[f64; 3]]| {
         on_widest(Gather::<S, D> {
             placement,
@@ -155,7 +172,7 @@ pub(crate) fn spread<const S: usize, D: Delta<S>>(
     Scratch { tiles, done }: &mut Scratch,
     mut field: [&mut [f64]; 3],
 ) {
-    tiles.resize(placement.tile_nodes, [0.0; 4]);
+    tiles.resize(placement.tile_nodes, Node::default());
     let work = |g: usize, tile: &mut [Node]| {
         on_widest(Scatter::<S, D, _> {
             placement,
@@ -240,6 +257,7 @@ impl<const S: usize, D: Delta<S>> Work for Gather<'_, S, D> {
 
     #[inline(always)]
     fn run(self) {
+        fetch(self.placement, self.g + 1, self.field);
         load_tile(self.placement, self.g, self.field, self.tile);
         let group = &self.placement.groups[self.g];
         for (u, p) in self.out.iter_mut().zip(self.placement.markers_of(self.g)) {
@@ -286,16 +304,16 @@ impl Work for Collect<'_> {
     fn run(self) {
         let [fx, fy, fz] = self.brick;
         for block in self.placement.blocks_of_slot(self.slot) {
-            let group = &self.placement.groups[block.group];
+            let group = &self.placement.groups[block.group as usize];
             let tile = &self.tiles.0[group.tile - self.tiles.1..];
-            let n = block.size[0];
+            let n = usize::from(block.size[0]);
             for bit in bits(block.rows) {
                 let (to, from) = row(block, group, bit);
                 let (x, y, z) = (&mut fx[to..][..n], &mut fy[to..][..n], &mut fz[to..][..n]);
                 for (i, node) in tile[from..][..n].iter().enumerate() {
-                    x[i] += node[0];
-                    y[i] += node[1];
-                    z[i] += node[2];
+                    x[i] += node.0[0];
+                    y[i] += node.0[1];
+                    z[i] += node.0[2];
                 }
             }
         }

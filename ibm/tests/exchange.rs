@@ -62,7 +62,7 @@ fn power(bricks: &Bricks) -> f64 {
     let pair = |a: usize| {
         bricks.velocity()[a]
             .iter()
-            .zip(&bricks.force()[a])
+            .zip(bricks.force()[a])
             .map(|(u, f)| u * f)
             .sum::<f64>()
     };

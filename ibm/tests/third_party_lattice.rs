@@ -40,7 +40,7 @@ impl Lattice for Wind {
 
     fn read_velocity(&mut self, bricks: &mut Bricks) {
         let (velocity, _) = bricks.velocity_mut_and_force();
-        for (all, v) in velocity.iter_mut().zip(VELOCITY) {
+        for (all, v) in velocity.into_iter().zip(VELOCITY) {
             all.fill(v);
         }
     }

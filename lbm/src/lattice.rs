@@ -6,7 +6,7 @@ use crate::interpolate::{Interpolate, thin_balance};
 use crate::links::{Links, Row};
 use crate::mask::{Mask, NarrowGaps};
 use crate::parallel;
-use crate::reading::ReadBrick;
+use crate::reading::ReadBricks;
 use crate::step::Step;
 use crate::sweep::Sweep;
 use lbm_ibm_coupling::{
@@ -23,6 +23,8 @@ pub const PAYBACK: f64 = 1.0 / 256.0;
 const SWEEPS: [usize; 5] = [8, 6, 4, 3, 2];
 /// Rows, or batches of packed nodes, that a thread takes at a time.
 pub const PIECE: usize = 16;
+/// Slots of bricks that a thread reads at a time.
+const SLOTS: usize = 8;
 
 impl Lattice for Fluid {
     fn grid(&self) -> &Grid {
@@ -73,12 +75,11 @@ impl Lattice for Fluid {
         slots.extend((0..bricks.len()).map(|s| (bricks.brick(s), bricks.rows(s))));
         let (velocity, force) = bricks.velocity_mut_and_force();
         let fluid = &*self;
-        parallel::for_each_chunk(&slots, velocity, BRICK_NODES, |slot, brick, to| {
-            let force = [0, 1, 2].map(|a| &force[a][slot * BRICK_NODES..][..BRICK_NODES]);
-            on_widest(ReadBrick {
+        parallel::for_slots(&slots, velocity, SLOTS, |first, slots, to| {
+            let force = [0, 1, 2].map(|a| &force[a][first * BRICK_NODES..][..slots.len() * BRICK_NODES]);
+            on_widest(ReadBricks {
                 fluid,
-                brick: brick.0,
-                rows: brick.1,
+                slots,
                 force,
                 to,
             });

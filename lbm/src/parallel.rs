@@ -1,5 +1,6 @@
 //! Loops that run on the threads of the current rayon pool, or plainly where there is one thread or no rayon.
 
+use lbm_ibm_coupling::BRICK_NODES;
 #[cfg(feature = "parallel")]
 use rayon::prelude::*;
 
@@ -48,27 +49,25 @@ pub fn find_map_first<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> Option
     items.iter().find_map(work)
 }
 
-/// Calls `work` for each item with its chunk of `size` numbers of three arrays.
-pub fn for_each_chunk<T: Sync>(
+/// Calls `work` for parts of `size` items, with the number of the first and with the bricks of these items in three arrays.
+pub fn for_slots<T: Sync>(
     items: &[T],
-    [x, y, z]: &mut [Vec<f64>; 3],
+    [x, y, z]: [&mut [f64]; 3],
     size: usize,
-    work: impl Fn(usize, &T, [&mut [f64]; 3]) + Sync,
+    work: impl Fn(usize, &[T], [&mut [f64]; 3]) + Sync,
 ) {
+    let nodes = size * BRICK_NODES;
     #[cfg(feature = "parallel")]
     if threaded() {
+        let parts = x.par_chunks_mut(nodes).zip(y.par_chunks_mut(nodes));
         return items
-            .par_iter()
-            .zip(
-                x.par_chunks_mut(size)
-                    .zip(y.par_chunks_mut(size))
-                    .zip(z.par_chunks_mut(size)),
-            )
+            .par_chunks(size)
+            .zip(parts.zip(z.par_chunks_mut(nodes)))
             .enumerate()
-            .for_each(|(n, (item, ((x, y), z)))| work(n, item, [x, y, z]));
+            .for_each(|(n, (items, ((x, y), z)))| work(n * size, items, [x, y, z]));
     }
-    let chunks = x.chunks_mut(size).zip(y.chunks_mut(size)).zip(z.chunks_mut(size));
-    for (n, (item, ((x, y), z))) in items.iter().zip(chunks).enumerate() {
-        work(n, item, [x, y, z]);
+    let parts = x.chunks_mut(nodes).zip(y.chunks_mut(nodes)).zip(z.chunks_mut(nodes));
+    for (n, (items, ((x, y), z))) in items.chunks(size).zip(parts).enumerate() {
+        work(n * size, items, [x, y, z]);
     }
 }

@@ -207,7 +207,7 @@ impl Fluid {
     ///
     /// # Safety
     /// The places are valid for the nodes, nothing writes there now, and `to` has room.
-    unsafe fn read(&self, places: &Places, nodes: Range<usize>, to: [*mut f64; 4]) {
+    pub(crate) unsafe fn read(&self, places: &Places, nodes: Range<usize>, to: [*mut f64; 4]) {
         let span = Span {
             places,
             start: nodes.start,

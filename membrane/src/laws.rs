@@ -38,6 +38,7 @@ mod maxwell;
 mod neo_hookean;
 mod pressure;
 mod rigid;
+mod shell;
 mod skalak;
 mod stretching;
 mod triangles;

@@ -7,6 +7,8 @@ use lbm_ibm_coupling::{BRICK_EDGE, Work, on_widest};
 
 /// Markers at a time.
 const BATCH: usize = 64;
+/// Nodes along each edge of a brick.
+const EDGE: u32 = BRICK_EDGE as u32;
 /// Brick of a marker that is outside the grid.
 pub const OUTSIDE: u32 = u32::MAX;
 
@@ -25,6 +27,22 @@ pub struct Spots<'a> {
     pub per_spacing: f64,
     pub support: usize,
     pub counts: [usize; 3],
+}
+
+impl Spots<'_> {
+    /// Home of a marker (m) anywhere: across a period, at a wall, or outside.
+    fn home(&self, x: [f64; 3]) -> Home {
+        let (mut home, mut brick) = (Home::default(), [0; 3]);
+        for a in 0..3 {
+            let Some(found) = self.axes[a].home(x[a], self.per_spacing, self.support) else {
+                home.brick = OUTSIDE;
+                return home;
+            };
+            (brick[a], home.corner[a], home.f[a]) = found;
+        }
+        home.brick = ((brick[2] * self.counts[1] + brick[1]) * self.counts[0] + brick[0]) as u32;
+        home
+    }
 }
 
 /// Finds the homes of the markers from number `first` on, on several threads where there are many.
@@ -63,6 +81,7 @@ impl<P: Fn(usize) -> [f64; 3]> Work for Homes<'_, P> {
             support,
             counts,
         } = *self.spots;
+        let [row, rows] = [counts[0], counts[1]].map(|n| n as u32);
         for (n, out) in self.out.chunks_mut(BATCH).enumerate() {
             let first = self.first + n * BATCH;
             let mut x = [[0.0; BATCH]; 3];
@@ -70,37 +89,35 @@ impl<P: Fn(usize) -> [f64; 3]> Work for Homes<'_, P> {
                 let p = (self.position)(first + l);
                 (x[0][l], x[1][l], x[2][l]) = (p[0], p[1], p[2]);
             }
-            let mut lower = [[0i32; BATCH]; 3];
+            let (mut lower, mut f) = ([[0i32; BATCH]; 3], [[0.0; BATCH]; 3]);
             let mut within = [true; BATCH];
             for a in 0..3 {
                 for l in 0..BATCH {
-                    let (corner, f) = axes[a].corner(x[a][l], per_spacing, support);
+                    let (corner, remainder) = axes[a].corner(x[a][l], per_spacing, support);
                     within[l] &= axes[a].holds(corner);
                     lower[a][l] = corner as i32;
-                    x[a][l] = f;
+                    f[a][l] = remainder;
                 }
             }
-            for (l, home) in out.iter_mut().enumerate() {
-                let mut brick = [0; 3];
-                home.brick = 0;
-                for a in 0..3 {
-                    if within[l] {
-                        let corner = lower[a][l] as usize;
-                        brick[a] = corner / BRICK_EDGE;
-                        home.corner[a] = (corner % BRICK_EDGE) as i8;
-                        home.f[a] = x[a][l];
-                        continue;
-                    }
-                    // Across a period, at a wall, or outside.
-                    let x = (self.position)(first + l)[a];
-                    let Some((b, corner, f)) = axes[a].home(x, per_spacing, support) else {
-                        home.brick = OUTSIDE;
-                        break;
-                    };
-                    (brick[a], home.corner[a], home.f[a]) = (b, corner, f);
-                }
-                if home.brick != OUTSIDE {
-                    home.brick = ((brick[2] * counts[1] + brick[1]) * counts[0] + brick[0]) as u32;
+            let (mut brick, mut local) = ([0u32; BATCH], [0u32; BATCH]);
+            for l in 0..BATCH {
+                let corner = [0, 1, 2].map(|a| lower[a][l] as u32);
+                let [x, y, z] = corner.map(|c| c / EDGE);
+                brick[l] = z.wrapping_mul(rows).wrapping_add(y).wrapping_mul(row).wrapping_add(x);
+                let [x, y, z] = corner.map(|c| c % EDGE);
+                local[l] = x | y << 8 | z << 16;
+            }
+            for (l, home) in out.iter_mut().enumerate().take(BATCH) {
+                let [x, y, z, _] = local[l].to_le_bytes().map(|c| c as i8);
+                *home = Home {
+                    f: [f[0][l], f[1][l], f[2][l]],
+                    brick: brick[l],
+                    corner: [x, y, z],
+                };
+            }
+            for (l, home) in out.iter_mut().enumerate().take(BATCH) {
+                if !within[l] {
+                    *home = self.spots.home((self.position)(first + l));
                 }
             }
         }

@@ -9,9 +9,12 @@ use std::ops::Range;
 /// Markers per task: below that another thread is not worth waking.
 const MARKERS: usize = 1024;
 
-/// Most markers of a task that spreads: the longer its range of groups, the more slots are its own.
+/// Most markers of a task that spreads: the longer its range of groups, the more slots are its own; all of them for one thread.
 pub fn leaf(placement: &Placement) -> usize {
-    MARKERS.max(placement.placed.len() / (2 * threads::count()))
+    match threads::count() {
+        1 => usize::MAX,
+        threads => MARKERS.max(placement.placed.len() / (2 * threads)),
+    }
 }
 
 /// A range of groups, their tiles, and the slots from the first one's on.

@@ -1,6 +1,6 @@
 //! One pass over all edges: what pulls along them, and what bends the surface at them.
 
-use super::batch::{BATCH, ZERO, at, cross, dot, gather, minus, scatter, sum};
+use super::batch::{BATCH, ZERO, at, cross, dot, gather, minus, scatter};
 use super::elements::{Elements, numbers};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref, Work, on_widest};
 
@@ -17,28 +17,19 @@ pub(super) fn pull(springs: &Elements<2, 1>, x: Soa3Ref<'_>, force: &mut Soa3Mut
 /// What hinges do. The angle is that by which the normals of the two triangles differ, in (-pi, pi], positive where the
 /// cell is convex.
 pub(super) trait Fold<const K: usize> {
-    /// Whether [`Fold::pull`] is to be asked, and area and volume to be summed up.
-    const WHOLE: bool = false;
-
     /// Minus the derivative of the energy by the angle inside the cell, which is pi less the angle: J. `sin` and `cos` are
     /// those of the angle times the same positive number.
     fn moment(&self, sin: f64, cos: f64, rest: [f64; K]) -> f64;
-
-    /// Tension along the edge (N) over its length (m).
-    fn pull(&self, _length: f64, _rest: [f64; K]) -> f64 {
-        0.0
-    }
 }
 
-/// Adds the forces (N) of hinges at nodes `x` (m). Area (m2) and volume (m3) of the surface where [`Fold::WHOLE`] asks for
-/// them, else zeros.
+/// Adds the forces (N) of hinges at nodes `x` (m).
 pub(super) fn fold<const K: usize>(
     hinges: &Elements<4, K>,
     x: Soa3Ref<'_>,
     force: &mut Soa3Mut<'_>,
     law: &impl Fold<K>,
-) -> (f64, f64) {
-    on_widest(Hinges { hinges, x, force, law })
+) {
+    on_widest(Hinges { hinges, x, force, law });
 }
 
 struct Springs<'a, 'f, P> {
@@ -78,19 +69,11 @@ struct Hinges<'a, 'f, const K: usize, L> {
 }
 
 impl<const K: usize, L: Fold<K>> Work for Hinges<'_, '_, K, L> {
-    type Out = (f64, f64);
+    type Out = ();
 
     #[inline(always)]
-    fn run(self) -> (f64, f64) {
-        let Some(&[first, ..]) = self.hinges.nodes().first() else {
-            return (0.0, 0.0);
-        };
-        // About a point of the cell, for a cell far from the origin has a small volume and large moments.
-        let origin = self.x.get(first as usize);
-        let origin = [origin.x, origin.y, origin.z];
+    fn run(self) {
         let (mut corners, mut forces) = ([ZERO; 4], [ZERO; 4]);
-        let (mut sizes, mut cones) = ([0.0; BATCH], [0.0; BATCH]);
-        let (mut area, mut volume) = (0.0, 0.0);
         for (hinges, rest) in self.hinges.batches() {
             gather(self.x, hinges, &mut corners);
             let rest = numbers(rest);
@@ -110,27 +93,15 @@ impl<const K: usize, L: Fold<K>> Work for Hinges<'_, '_, K, L> {
                 let (u, v) = (strength / ff, strength / ss);
                 let per_square = 1.0 / square;
                 let (p, q) = (dot(c, edge) * per_square, dot(d, edge) * per_square);
-                let tension = if L::WHOLE { self.law.pull(length, rest) } else { 0.0 };
                 for k in 0..3 {
                     let (f, g) = (first[k] * u, second[k] * v);
-                    let along = if L::WHOLE { edge[k] * tension } else { 0.0 };
-                    forces[0][k][i] = f * (p - 1.0) + g * (q - 1.0) + along;
-                    forces[1][k][i] = -(f * p) - g * q - along;
+                    forces[0][k][i] = f * (p - 1.0) + g * (q - 1.0);
+                    forces[1][k][i] = -(f * p) - g * q;
                     forces[2][k][i] = f;
                     forces[3][k][i] = g;
                 }
-                if L::WHOLE {
-                    sizes[i] = ff.sqrt() + ss.sqrt();
-                    cones[i] = dot(minus(a, origin), [0, 1, 2].map(|k| first[k] + second[k]));
-                }
             }
             scatter(&forces, hinges, self.force);
-            if L::WHOLE {
-                area += sum(&sizes, hinges.len());
-                volume += sum(&cones, hinges.len());
-            }
         }
-        // Every triangle is part of three hinges.
-        (area / 6.0, volume / 18.0)
     }
 }

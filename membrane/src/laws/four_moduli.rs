@@ -1,14 +1,15 @@
 //! The paper's four moduli at the price of two passes.
 
-use super::edges::{self, Fold};
 use super::elements::Elements;
-use super::triangles::{self, Tensions};
-use super::{Bending, GlobalArea, Law, LocalArea, Stretching, Volume, bending, stretching};
+use super::shell::{self, Shell};
+use super::triangles::Tensions;
+use super::{Bending, GlobalArea, Law, LocalArea, Stretching, Volume};
 use crate::{MembraneError, Mesh};
 use lbm_ibm_coupling::{Soa3Mut, Soa3Ref};
+use std::sync::Arc;
 
-/// [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`] and [`Volume`] together: the same forces and energy in one
-/// pass over the edges and one over the triangles, instead of one or two for each.
+/// [`Stretching`], [`Bending`], [`LocalArea`], [`GlobalArea`] and [`Volume`] together: the same forces and energy, to
+/// the last digits, in one pass over the edges and one over the triangles, instead of one or two for each.
 #[derive(Clone, Debug)]
 pub struct FourModuli {
     stretching: Stretching,
@@ -18,6 +19,8 @@ pub struct FourModuli {
     volume: Volume,
     /// With angles (rad) and lengths (m) at rest.
     hinges: Elements<4, 2>,
+    /// The edges of each triangle.
+    sides: Arc<[[u32; 3]]>,
 }
 
 impl FourModuli {
@@ -41,27 +44,8 @@ impl FourModuli {
             global: GlobalArea::new(mesh, global)?,
             volume: Volume::new(mesh, volume)?,
             hinges: Elements::hinges(mesh, |h| [h.angle(), h.edge.norm()]),
+            sides: shell::sides(mesh),
         })
-    }
-}
-
-/// Springs and hinges, by the springs' modulus (N).
-struct Edges {
-    stretching: f64,
-    bending: bending::Angles,
-}
-
-impl Fold<2> for Edges {
-    const WHOLE: bool = true;
-
-    #[inline(always)]
-    fn moment(&self, sin: f64, cos: f64, [angle, _]: [f64; 2]) -> f64 {
-        self.bending.moment(sin, cos, [angle])
-    }
-
-    #[inline(always)]
-    fn pull(&self, length: f64, [_, rest]: [f64; 2]) -> f64 {
-        stretching::tension_per_length(self.stretching, length, rest)
     }
 }
 
@@ -71,17 +55,18 @@ impl Law for FourModuli {
     }
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
-        let edges = Edges {
+        let shell = Shell {
+            hinges: &self.hinges,
+            triangles: self.local.triangles(),
+            sides: &self.sides,
             stretching: self.stretching.modulus(),
             bending: self.bending.angles(),
         };
-        let (area, volume) = edges::fold(&self.hinges, x, force, &edges);
-        let tensions = Tensions {
+        shell.add(x, force, |area, volume| Tensions {
             local: self.local.modulus(),
             global: self.global.tension(area),
             pressure: self.volume.pressure(volume),
-        };
-        triangles::add(x, self.local.triangles(), &tensions, force);
+        });
     }
 
     fn energy(&self, x: Soa3Ref<'_>) -> Option<f64> {

@@ -44,12 +44,12 @@ impl Stretching {
     }
 }
 
-/// Tension (N) of a spring over its length (m), by that and its length at rest.
+/// Tension (N) of a spring by its length and that at rest, as numerator and denominator.
 #[inline(always)]
-pub(super) fn tension_per_length(modulus: f64, length: f64, rest: f64) -> f64 {
+pub(super) fn tension(modulus: f64, length: f64, rest: f64) -> (f64, f64) {
     let l = length / rest;
     let cube = l * l * l;
-    modulus * l.sqrt() * (1.0 + cube) * (l - 1.0) / ((1.0 + cube * l) * length)
+    (modulus * l.sqrt() * (1.0 + cube) * (l - 1.0), 1.0 + cube * l)
 }
 
 /// kappa(l) = (l^0.5 + l^-2.5)/(l + l^-3), its fraction cleared.
@@ -66,7 +66,10 @@ impl Law for Stretching {
 
     fn add_forces(&mut self, x: Soa3Ref<'_>, _v: Soa3Ref<'_>, force: &mut Soa3Mut<'_>) {
         let modulus = self.modulus;
-        let pull = |length: f64, rest: f64| tension_per_length(modulus, length, rest);
+        let pull = |length: f64, rest: f64| {
+            let (above, below) = tension(modulus, length, rest);
+            above / (below * length)
+        };
         edges::pull(&self.springs, x, force, pull);
     }
 
