@@ -26,6 +26,10 @@ const RADII: [f64; 3] = [12.0, 8.0, 16.0 / 3.0];
 const COARSE: &[f64] = &[8.0, 16.0 / 3.0];
 /// Viscosity ratios of a quick run.
 const QUICK: [f64; 2] = [5.0, 0.2];
+/// Relaxation time around drops that are less viscous than the fluid there.
+const THIN_TAU: f64 = 3.0;
+/// Such a drop settles in no less than so many times in which momentum diffuses over its radius.
+const SLOW: f64 = 2.5;
 /// Difference of Taylor's deformation and Cox's up to which both gate.
 const ALIKE: f64 = 0.01;
 /// Relaxation times after which the shape is read: a later one has more of the mesh's distortion.
@@ -68,12 +72,18 @@ impl Job {
     }
 
     fn run(&self) -> Result<Found, Fault> {
+        let usual = capsule(Material::Tension, self.capillary, self.ratio, self.radius, SIZE);
+        let thin = Capsule {
+            tau: THIN_TAU,
+            strain_per_step: self.relaxation() * (THIN_TAU - 0.5) / (3.0 * SLOW * self.radius * self.radius),
+            ..usual
+        };
         let capsule = Capsule {
             nodes: (NODES * self.radius * self.radius) as usize,
             kernel: Kernel::TwoPoint,
             // Tension acts along the normal alone, so that the tangential velocity has no kink for the kernel to blunt.
             inset: 0.0,
-            ..capsule(Material::Tension, self.capillary, self.ratio, self.radius, SIZE)
+            ..if self.ratio < 1.0 { thin } else { usual }
         };
         let mut sheared = capsule.sheared()?;
         let mut inside = 0.0_f64;
