@@ -9,6 +9,7 @@ mod channel;
 mod compare;
 mod constriction;
 mod coupling;
+mod driven;
 mod duct;
 mod finding;
 mod kernels;

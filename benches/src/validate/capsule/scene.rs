@@ -3,8 +3,9 @@
 use super::Material;
 use super::shape::{Ellipsoid, ellipsoid};
 use crate::Fault;
+use crate::validate::driven::guard;
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Elasticity, Grid, Guard, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
+use lbm_ibm::coupling::{Elasticity, Grid, Lattice, Plane, Scene, Union, Vec3, enclosed_volume};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
 use lbm_ibm::lbm::{Fluid, Pace};
 use lbm_ibm::membrane::{Cell, MembraneError, Mesh, laws};
@@ -14,7 +15,7 @@ use std::sync::Arc;
 /// Grid spacing, m.
 pub const H: f64 = 1e-6;
 /// Density of the fluid, kg/m3.
-const DENSITY: f64 = 1e3;
+pub const DENSITY: f64 = 1e3;
 /// Viscosity of the fluid, Pa s.
 pub const VISCOSITY: f64 = 1e-3;
 /// Greatest sine of the angle between the plane of shear and the arm of a node that is taken to be in it.
@@ -109,11 +110,7 @@ impl Capsule {
         let middle = Vec3::from(shape.map(|n| 0.5 * n as f64 * H));
         let half = 0.5 * y as f64 * H;
         fluid.set_velocity(|x| Vec3::x() * (rate * (x.y - middle.y)));
-        let guard = Guard {
-            volume: f64::INFINITY,
-            ..Guard::default()
-        };
-        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(self.kernel)).with_guard(guard);
+        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(self.kernel)).with_guard(guard());
         let walls = Union::new()
             .with(Plane::new(Vec3::y() * (middle.y - half), Vec3::y()).with_velocity(-Vec3::x() * (rate * half)))
             .with(Plane::new(Vec3::y() * (middle.y + half), -Vec3::y()).with_velocity(Vec3::x() * (rate * half)));

@@ -2,20 +2,18 @@
 
 use super::Material;
 use super::meridian::{Meridian, meridian};
-use super::scene::{H, VISCOSITY};
+use super::scene::{DENSITY, H, VISCOSITY};
 use crate::Fault;
+use crate::validate::driven::{TubeBox, force, guard, mean_force};
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Boundary, Grid, Guard, Probe, Scene, SceneError, Soa3, Vec3};
+use lbm_ibm::coupling::{Boundary, Probe, Scene, Soa3, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
-use lbm_ibm::lbm::{Drive, Fluid, Pace};
 use lbm_ibm::membrane::{Cell, Mesh};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Kernel of these cases.
 const KERNEL: Kernel = Kernel::RomaThree;
-/// Density of the fluid, kg/m3.
-const DENSITY: f64 = 1e3;
 /// Relaxation time.
 const TAU: f64 = 2.0;
 /// Velocity of the frame in mean velocities: a capsule that hardly moves on the grid has a steady flow around it, without the
@@ -90,16 +88,10 @@ impl Boundary for Wall {
 }
 
 impl Tube {
-    /// Nodes of the box.
-    fn shape(&self, length: usize) -> [usize; 3] {
-        let across = 2 * (self.cells + 1.5) as usize;
-        [length, across, across]
-    }
-
     /// The fluid of a tube `length` spacings long in the frame that moves with [`FRAME`], and the wall to put around it.
     fn scene(&self, length: usize, flux: f64) -> Result<(Scene, Wall), Fault> {
-        let shape = self.shape(length);
-        let centre = Vec3::from(shape.map(|n| 0.5 * n as f64 * H));
+        let tube = TubeBox::new(length, self.cells);
+        let centre = tube.centre();
         let radius = self.cells * H;
         let mean = flux / (PI * radius * radius);
         let wall = Wall {
@@ -109,23 +101,16 @@ impl Tube {
         };
         // Every fluid node carries the velocity of the frame.
         let place = |n: usize| (n as f64 + 0.5) * H;
-        let nodes = (0..shape[1])
-            .flat_map(|j| (0..shape[2]).map(move |k| Vec3::new(centre.x, place(j), place(k))))
+        let nodes = (0..tube.shape[1])
+            .flat_map(|j| (0..tube.shape[2]).map(move |k| Vec3::new(centre.x, place(j), place(k))))
             .filter(|x| wall.probe(*x, 0.0).distance > 0.0)
             .count();
-        let flow = flux / (H * H) - FRAME * mean * nodes as f64;
-        let drive = Drive::flux(0, flow / (shape[1] * shape[2]) as f64);
-        let fluid = Fluid::new(Grid::new(shape, H, [true; 3]), DENSITY, VISCOSITY, Pace::Tau(TAU))?;
-        let mut fluid = fluid.with_inertia(false).with_drive(drive)?;
+        let mut fluid = tube.fluid(TAU, flux - FRAME * mean * nodes as f64 * H * H)?;
         fluid.set_velocity(|x| {
             let r = (x.y - centre.y).hypot(x.z - centre.z) / radius;
             Vec3::x() * (mean * (2.0 * (1.0 - r * r).max(0.0) - FRAME))
         });
-        let guard = Guard {
-            volume: f64::INFINITY,
-            ..Guard::default()
-        };
-        let scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL)).with_guard(guard);
+        let scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL)).with_guard(guard());
         Ok((scene, wall))
     }
 
@@ -211,19 +196,4 @@ impl Settled {
     pub fn is_steady(&self) -> bool {
         self.ended_by.is_none() && self.drift.iter().zip(STEADY).all(|(d, s)| d.abs() <= s)
     }
-}
-
-/// Force density along the axis, N/m3.
-fn force(scene: &Scene) -> f64 {
-    scene.fluid().map_or(0.0, |f| f.body_force().x)
-}
-
-/// Its mean over so many steps.
-fn mean_force(scene: &mut Scene, steps: usize) -> Result<f64, SceneError> {
-    let mut sum = 0.0;
-    for _ in 0..steps {
-        scene.step()?;
-        sum += force(scene);
-    }
-    Ok(sum / steps as f64)
 }

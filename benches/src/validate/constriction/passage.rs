@@ -3,23 +3,18 @@
 use super::wall::Throat;
 use super::watch::{Passed, Watch};
 use crate::Fault;
+use crate::validate::capsule::scene::{DENSITY, H, VISCOSITY};
+use crate::validate::driven::{TubeBox, force, guard};
 use lbm_ibm::contact::{SoftSphere, WallRepulsion};
 use lbm_ibm::coupling::nalgebra::Isometry3;
-use lbm_ibm::coupling::{Grid, Guard, Scene, Vec3};
+use lbm_ibm::coupling::{Guard, Scene, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
-use lbm_ibm::lbm::{Drive, Fluid, Pace};
 use lbm_ibm::membrane::{Cell, Mesh, laws};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Grid spacing, m.
-const H: f64 = 1e-6;
-/// Density of the fluid, kg/m3, inside and outside.
-const DENSITY: f64 = 1e3;
-/// Viscosity of the fluid, Pa s, inside and outside.
-const VISCOSITY: f64 = 1e-3;
-/// Kernel.
-const KERNEL: Kernel = Kernel::RomaThree;
+/// The narrowest kernel, for the film: once a node is one spacing and a quarter away from the wall, it reads no solid node.
+const KERNEL: Kernel = Kernel::TwoPoint;
 /// Viscosity times mean velocity in the throat over shear modulus.
 const CAPILLARY: f64 = 0.1;
 /// Density times mean velocity in the throat times radius of the capsule over viscosity. There is no convective term: it is a
@@ -31,14 +26,14 @@ const TAU: f64 = 1.0;
 const AREA_RATIO: f64 = 1.0;
 /// Bending stiffness over shear modulus times squared radius: a membrane without any folds where it is compressed.
 const BENDING: f64 = 0.01;
-/// Area of the capsule for each of its nodes, in squared spacings.
-const NODE_AREA: f64 = 1.8;
+/// Nodes of the mesh on every grid, so that grids differ in nothing else.
+pub const NODES: usize = 2562;
 /// Radius of the tube, half of the throat's straight part, period, and the place of the capsule at the start before the middle
 /// of the throat, in radii of the capsule.
 const TUBE: f64 = 2.0;
 const HALF: f64 = 1.0;
-const PERIOD: f64 = 10.0;
-const START: f64 = 4.5;
+const PERIOD: f64 = 8.0;
+const START: f64 = 3.6;
 /// Distance of a node from the wall, in spacings, at which contact begins.
 const CONTACT: f64 = 0.5;
 /// Way of the throat's mean flow between two looks, in radii of the capsule.
@@ -51,6 +46,8 @@ pub struct Passage {
     pub ratio: f64,
     /// Radius of the throat in spacings.
     pub cells: f64,
+    /// Nodes of its mesh.
+    pub nodes: usize,
 }
 
 impl Passage {
@@ -64,11 +61,11 @@ impl Passage {
         REYNOLDS * VISCOSITY / (DENSITY * self.radius())
     }
 
-    /// The device in a box of nodes.
-    fn throat(&self, shape: [usize; 3]) -> Throat {
+    /// The device in its box.
+    fn throat(&self, tube: TubeBox) -> Throat {
         let a = self.radius();
         Throat {
-            centre: Vec3::from(shape.map(|n| 0.5 * n as f64 * H)),
+            centre: tube.centre(),
             tube: TUBE * a,
             lip: TUBE * a - self.cells * H,
             half: HALF * a,
@@ -78,23 +75,16 @@ impl Passage {
     /// Tube, throat and fluid, driven at its flux, every section with its own parabola.
     fn device(&self) -> Result<(Scene, Throat), Fault> {
         let a = self.ratio * self.cells;
-        let across = 2 * (TUBE * a + 1.5) as usize;
-        let shape = [(PERIOD * a).round() as usize, across, across];
-        let throat = self.throat(shape);
+        let tube = TubeBox::new((PERIOD * a).round() as usize, TUBE * a);
+        let throat = self.throat(tube);
         let flux = PI * (self.cells * H).powi(2) * self.velocity();
-        let drive = Drive::flux(0, flux / (across as f64 * H).powi(2));
-        let fluid = Fluid::new(Grid::new(shape, H, [true; 3]), DENSITY, VISCOSITY, Pace::Tau(TAU))?;
-        let mut fluid = fluid.with_inertia(false).with_drive(drive)?;
+        let mut fluid = tube.fluid(TAU, flux)?;
         fluid.set_velocity(|x| {
             let radius = throat.radius(x.x);
             let r = (x.y - throat.centre.y).hypot(x.z - throat.centre.z) / radius;
             Vec3::x() * (2.0 * flux / (PI * radius * radius) * (1.0 - r * r).max(0.0))
         });
-        let guard = Guard {
-            volume: f64::INFINITY,
-            depth: H,
-            ..Guard::default()
-        };
+        let guard = Guard { depth: H, ..guard() };
         let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL)).with_guard(guard);
         scene.set_walls(Arc::new(throat))?;
         Ok((scene, throat))
@@ -112,10 +102,9 @@ impl Passage {
         for _ in 0..steps {
             scene.step()?;
         }
-        let empty = scene.fluid().map_or(0.0, |f| f.body_force().x);
+        let empty = force(&scene);
         let inset = KERNEL.hydrodynamic_shift() * H;
-        let nodes = (4.0 * PI * (a / H).powi(2) / NODE_AREA) as usize;
-        let mesh = Arc::new(Mesh::sphere(a - inset, nodes)?);
+        let mesh = Arc::new(Mesh::sphere(a - inset, self.nodes)?);
         let shear = VISCOSITY * velocity / CAPILLARY;
         let bending = BENDING * shear * a * a;
         let cell = Cell::new("capsule", mesh.clone())

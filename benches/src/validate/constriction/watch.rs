@@ -2,6 +2,7 @@
 
 use super::wall::Throat;
 use crate::Fault;
+use crate::validate::driven::mean_force;
 use lbm_ibm::coupling::{Scene, SceneError, Soa3Ref, Vec3, enclosed_volume, surface_area};
 use lbm_ibm::membrane::Mesh;
 use std::sync::Arc;
@@ -17,6 +18,10 @@ const LONGEST: f64 = 60.0;
 pub struct Passed {
     /// Time for the way, in radii of the capsule over the throat's mean velocity; not a number where it did not get there.
     pub transit: f64,
+    /// Pressure drop less that of the empty device in the units of `entering`, summed over the transit.
+    pub impulse: f64,
+    /// Pressure drop of the empty device over the period, in the units of `entering`.
+    pub empty: f64,
     /// Greatest pressure drop less that of the empty device, in units of viscosity times the throat's mean velocity over its radius,
     /// before the centroid leaves the straight part of the throat.
     pub entering: f64,
@@ -71,6 +76,8 @@ impl<'a> Watch<'a> {
         let unit = self.radius / self.velocity;
         let mut passed = Passed {
             transit: f64::NAN,
+            impulse: 0.0,
+            empty: f64::NAN,
             entering: 0.0,
             leaving: 0.0,
             places: [0.0; 2],
@@ -85,17 +92,25 @@ impl<'a> Watch<'a> {
             .map_or(0.0, |f| f.grid().shape[0] as f64 * f.grid().spacing);
         let viscosity = scene.fluid().map_or(0.0, |f| f.viscosity());
         let throat = self.throat.tube - self.throat.lip;
+        let unit_pressure = viscosity * self.velocity / throat;
+        passed.empty = empty * period / unit_pressure;
         let mut entered = f64::NAN;
         let (mut before, mut then) = (self.place(scene)?, scene.time());
         while scene.time() < then.max(0.0) + LONGEST * unit {
-            let extra = (mean_force(scene, window)? - empty) * period * throat / (viscosity * self.velocity);
+            let extra = (mean_force(scene, window)? - empty) * period / unit_pressure;
             let (place, now) = (self.place(scene)?, scene.time());
             // When it was at `mark`, if it was since the last look.
             let when = |mark: f64| {
                 (before < mark && place >= mark)
                     .then(|| (then + (now - then) * (mark - before) / (place - before)) / unit)
             };
+            let left = when(WAY);
             entered = when(-WAY).unwrap_or(entered);
+            // What of the time since the last look was between the marks.
+            let during = left.unwrap_or(now / unit) - entered.max(then / unit);
+            if !entered.is_nan() {
+                passed.impulse += extra * during;
+            }
             if place * self.radius < self.throat.half {
                 if extra > passed.entering {
                     (passed.entering, passed.places[0]) = (extra, place);
@@ -104,7 +119,7 @@ impl<'a> Watch<'a> {
                 (passed.leaving, passed.places[1]) = (extra, place);
             }
             self.look(scene, &mut passed)?;
-            if let Some(left) = when(WAY) {
+            if let Some(left) = left {
                 passed.transit = left - entered;
                 break;
             }
@@ -150,14 +165,4 @@ impl<'a> Watch<'a> {
         let angle = |t: [u32; 2]| normal(t[0]).angle(&normal(t[1])).to_degrees();
         self.mesh.edges().iter().map(|e| angle(e.triangles)).fold(0.0, f64::max)
     }
-}
-
-/// Mean force density along the axis (N/m3) over so many steps.
-fn mean_force(scene: &mut Scene, steps: usize) -> Result<f64, SceneError> {
-    let mut sum = 0.0;
-    for _ in 0..steps {
-        scene.step()?;
-        sum += scene.fluid().map_or(0.0, |f| f.body_force().x);
-    }
-    Ok(sum / steps as f64)
 }
