@@ -269,6 +269,9 @@ pub fn membrane_time_step_limits(table: &Table, effort: Effort) -> Outcome {
 /// In plasma of its own density the fluid's step is hardly longer than the explicit limit. With the Reynolds number scaled by
 /// 80, as where cells pass gaps, it is 120 times as long: the same again, after 2 ms, with implicit steps at relaxation times
 /// of 0.6 (within 1 %), 0.75 and 1.
+///
+/// There too a capsule with 6 % more area than a sphere is sheared by one strain, deformation and angle of all ways within 1 %; and, in a full run, driven through a
+/// throat of 0.85 radii: transit time and length with a strong global modulus within 1 %. Implicit steps, and the pressure's peak, are reported.
 pub fn stiff_membrane(effort: Effort) -> Outcome {
     let mut findings = Findings::of("stiff_membrane");
     compare(&mut findings, 1.0, if effort.quick { 5e-5 } else { 1e-4 }, &[1.0, 3.0])?;
@@ -277,8 +280,8 @@ pub fn stiff_membrane(effort: Effort) -> Outcome {
         findings.left_out += 11;
     } else {
         compare(&mut findings, 80.0, 2e-3, &[0.6, 0.75, 1.0])?;
-        in_flow(&mut findings, Flow::Shear(2.0), 8.0)?;
-        in_flow(&mut findings, Flow::Throat, 8.0)?;
+        in_flow(&mut findings, Flow::Shear(1.0), 6.0)?;
+        in_flow(&mut findings, Flow::Throat, 4.0)?;
     }
     Ok(findings)
 }
