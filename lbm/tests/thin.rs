@@ -210,7 +210,7 @@ fn through_slit(off: f64, tau: f64) -> f64 {
     fluid.superficial_velocity().x * exact / period
 }
 
-/// Rims act where they are, wherever links cross their plane; halfway links alone would let 10 to 25 % too much through at any but the
+/// Rims act where they are, wherever links cross their plane; links that pass or not would let 12 % too much through at any but the
 /// first of these places. What passes does not depend on tau.
 #[test]
 fn rims_act_where_they_are() {

@@ -6,7 +6,7 @@ mod images;
 mod keller_skalak;
 mod meridian;
 pub(crate) mod scene;
-mod shape;
+pub(super) mod shape;
 mod shear;
 pub(crate) mod steady;
 mod tube;

@@ -2,7 +2,7 @@
 
 mod case;
 mod passage;
-mod wall;
+pub(super) mod wall;
 mod watch;
 
 pub use case::constriction;

@@ -265,15 +265,18 @@ fn tube(radius: f64, centre: Vec3) -> Arc<dyn Boundary> {
     Arc::new(Closure::new(distance, 1e-3 * radius))
 }
 
+/// Kernel, and place of the tube's axis and the sphere on it, in spacings from a corner between nodes.
+type Placed = (Kernel, [f64; 3]);
+
 /// Flux (m3/s), velocity of the sphere (m/s) and driving force density (N/m3) in a tube of a radius of `cells` spacings with a
 /// free sphere of `radius` (m), or without.
-fn in_tube(cells: f64, radius: Option<f64>) -> Result<(f64, f64, f64), Fault> {
+fn in_tube(cells: f64, radius: Option<f64>, (kernel, off): Placed) -> Result<(f64, f64, f64), Fault> {
     let across = 2 * (cells + 1.5) as usize;
     let shape = [(6.0 * cells) as usize, across, across];
     let tau = 2.0;
     let fluid = stokes(Grid::new(shape, H, [true; 3]), tau)?.with_drive(Drive::flux(0, 1e-4))?;
-    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL));
-    let centre = Vec3::from(shape.map(|n| 0.5 * n as f64 * H));
+    let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(kernel));
+    let centre = (Vec3::from(shape.map(|n| 0.5 * n as f64)) + Vec3::from(off)) * H;
     scene.set_walls(tube(cells * H, centre))?;
     let id = match radius {
         Some(radius) => Some(scene.add_body(RigidBody::sphere(radius, DENSITY)?, &at(centre))?),
@@ -288,29 +291,58 @@ fn in_tube(cells: f64, radius: Option<f64>) -> Result<(f64, f64, f64), Fault> {
     Ok((flux, speed, force))
 }
 
-/// A free sphere on the axis of a tube: its velocity within 1 %, the extra pressure drop within 3 %. The tube's radius is the
-/// one that its empty flow has, `R^4 = 8 mu Q / (pi f)`.
+/// The tube's radius (m) that its empty flow has, `R^4 = 8 mu Q / (pi f)`.
+fn hydraulic_radius(cells: f64, placed: Placed) -> Result<f64, Fault> {
+    let (flux, _, empty) = in_tube(cells, None, placed)?;
+    Ok((8.0 * VISCOSITY * flux / (PI * empty)).powf(0.25))
+}
+
+/// Kernels and places for which the least sphere is reported.
+const PLACED: [Placed; 5] = [
+    (Kernel::RomaThree, [0.5, 0.0, 0.0]),
+    (Kernel::RomaThree, [0.13, 0.29, 0.41]),
+    (Kernel::SplineThree, [0.0; 3]),
+    (Kernel::PeskinFour, [0.0; 3]),
+    (Kernel::PeskinFour, [0.13, 0.29, 0.41]),
+];
+
+/// A free sphere on the axis of a tube: its velocity within 1 %, the extra pressure drop within 3 %.
 ///
-/// The extra pressure goes with the fifth power of the sphere's radius, so that 3 % of it are 0.6 % of the radius: about what
-/// the correction of the radius leaves of the drag (`validate ibm_sphere_radius`).
+/// The extra pressure goes with the fifth power of the sphere's radius, so that 3 % of it are 0.6 % of the radius. On the axis there is neither
+/// slip nor strain, and what is left is the curvature of the profile. The depth of the markers is that with which the drag is right (to 0.1 %); to a flow that
+/// varies over the sphere a smeared shell looks larger by a part that falls with its radius. At 3.6 spacings it is 0.02 to 0.03 spacings, with kernel and place: the
+/// other kernels and places of the least sphere are reported.
 pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let cells = 12.0;
-    let (flux, _, empty) = in_tube(cells, None)?;
-    let tube_radius = (8.0 * VISCOSITY * flux / (PI * empty)).powf(0.25);
+    let usual = (KERNEL, [0.0; 3]);
     let mut rows = Vec::new();
     for row in table.rows() {
         let ratio = row.number("a_over_R")?;
         if [0.3, 0.5, 0.6].contains(&ratio) && (!effort.quick || ratio == 0.5) {
-            rows.push((ratio, row.number("U_over_Umean")?, row.number("dP_extra_R_over_muU")?));
+            let truth = (ratio, row.number("U_over_Umean")?, row.number("dP_extra_R_over_muU")?);
+            rows.push((truth, usual));
+            if ratio == 0.3 {
+                rows.extend(PLACED.map(|placed| (truth, placed)));
+            }
         } else {
             findings.left_out += 1;
         }
     }
-    let found = side_by_side(&rows, |&(ratio, ..)| in_tube(cells, Some(ratio * tube_radius)))?;
-    for ((ratio, velocity, pressure), ((flux, speed, force), seconds)) in rows.iter().zip(found) {
+    let found = side_by_side(&rows, |&((ratio, ..), placed)| {
+        let tube_radius = hydraulic_radius(cells, placed)?;
+        let [flux, speed, force] = <[f64; 3]>::from(in_tube(cells, Some(ratio * tube_radius), placed)?);
+        Ok([tube_radius, flux, speed, force])
+    })?;
+    for (((ratio, velocity, pressure), placed), ([tube_radius, flux, speed, force], seconds)) in rows.iter().zip(found)
+    {
         findings.begin_done(
-            key(&[("a_over_R", ratio.to_string()), ("R_over_h", cells.to_string())]),
+            key(&[
+                ("a_over_R", ratio.to_string()),
+                ("R_over_h", cells.to_string()),
+                ("kernel", format!("{:?}", placed.0)),
+                ("off", format!("{:?}", placed.1)),
+            ]),
             seconds,
         );
         let mean = flux / (PI * tube_radius * tube_radius);
@@ -318,7 +350,11 @@ pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
         let extra = (force - 8.0 * VISCOSITY * mean / tube_radius.powi(2)) * length * tube_radius / (VISCOSITY * mean);
         findings.report("tube's radius over its own", tube_radius / (cells * H), 1.0, 1.0);
         findings.check("U_over_Umean", speed / mean, *velocity, 0.01);
-        findings.check("dP_extra_R_over_muU", extra, *pressure, 0.03);
+        if *placed != usual {
+            findings.report("dP_extra_R_over_muU", extra, *pressure, *pressure);
+        } else {
+            findings.check("dP_extra_R_over_muU", extra, *pressure, 0.03);
+        }
     }
     Ok(findings)
 }
