@@ -64,7 +64,7 @@ impl Step<'_> {
         let first = batch * packed.batch();
         let places = if odd {
             // SAFETY: the places of these nodes are ours, and the kernel runs on the same instruction set.
-            unsafe { packed.gather(self.storage, self.isa, batch, nodes, buffer) };
+            unsafe { packed.carry::<false>(self.storage, self.isa, batch, nodes, buffer) };
             packed.places(self.storage, batch, buffer)
         } else {
             packed.own(self.storage, batch)
@@ -103,7 +103,7 @@ impl Step<'_> {
         }
         if odd {
             // SAFETY: as above.
-            unsafe { packed.scatter(self.storage, self.isa, batch, nodes, buffer) };
+            unsafe { packed.carry::<true>(self.storage, self.isa, batch, nodes, buffer) };
         }
         if self.tally {
             let velocities = self.storage.velocities();

@@ -3,6 +3,7 @@
 use crate::element::Precision;
 use crate::isa::InstructionSet;
 use crate::packed::Packed;
+use crate::simd::{prefetch, prefetch_early};
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
 use std::mem::MaybeUninit;
@@ -10,19 +11,12 @@ use std::ops::Range;
 
 /// Blocks of a batch.
 pub const BLOCKS: usize = 8;
-/// Bytes from a population of a [`Buffer`] to the next: a batch, and a cache line so that they do not fall on the same sets.
-pub const STRIDE: usize = 576;
-
-/// Part of a block whose populations stand side by side, beside the fullest one.
-#[derive(Clone, Copy)]
-pub struct Other {
-    /// Place of lane 0, from the start of the memory.
-    pub source: u32,
-    /// Where lane 0 goes in a buffer, bytes.
-    pub to: u16,
-    /// Which lanes there are.
-    pub mask: u16,
-}
+/// Blocks from a population of a [`Buffer`] to the next: a batch, and one so that they do not fall on the same sets.
+pub const APART: usize = BLOCKS + 1;
+/// Bytes of that.
+pub const STRIDE: usize = APART * LINE;
+/// Bytes of a block, or more.
+const LINE: usize = 64;
 
 /// The populations of a batch.
 #[repr(C, align(64))]
@@ -39,23 +33,35 @@ impl Buffer {
     }
 }
 
+/// Parts of blocks whose populations stand side by side.
+#[derive(Clone, Copy)]
+pub struct Parts<'a> {
+    /// Place of lane 0 of each, from the start of the memory.
+    pub sources: &'a [u32],
+    /// Which lanes there are, a bit each.
+    pub masks: &'a [u8],
+}
+
 /// What is copied for a batch.
 pub struct Batch<'a> {
-    pub sources: &'a [u32],
-    pub masks: &'a [u8],
-    pub others: &'a [Other],
-    /// Those of the next batch.
-    pub next: &'a [Other],
+    /// The fullest part of each population from 1 on and block.
+    pub main: Parts<'a>,
+    /// Further parts, and where each goes in a buffer: its block, and [`APART`] times its population.
+    pub others: Parts<'a>,
+    pub slots: &'a [u8],
+    /// Further parts of the next batch.
+    pub next: &'a [u32],
     /// Sources of the batch after that.
     pub early: &'a [u32],
 }
 
 impl Packed {
-    /// Brings the populations of the `nodes` of a batch before an odd step together.
+    /// Brings the populations of the `nodes` of a batch before an odd step together in a buffer, or `BACK` from there.
     ///
     /// # Safety
-    /// Nobody writes them meanwhile. The storage is that of the nodes, and the instruction set is there.
-    pub unsafe fn gather(
+    /// Nobody writes them meanwhile, nor reads them on the way back. The storage is that of the nodes, and the instruction set is
+    /// there.
+    pub unsafe fn carry<const BACK: bool>(
         &self,
         storage: &Storage,
         isa: InstructionSet,
@@ -63,231 +69,289 @@ impl Packed {
         nodes: &Range<usize>,
         buffer: &mut Buffer,
     ) {
-        let all = self.holds(batch, nodes);
-        let clip = if all { [0; BLOCKS] } else { self.clip(batch, nodes) };
-        let (parts, data, to) = (self.of(batch), storage.data(), buffer.start());
+        let clip = (!self.holds(batch, nodes)).then(|| self.clip(batch, nodes));
+        let (parts, clip) = (self.of(batch), clip.as_ref());
+        let (data, buffer) = (storage.data(), buffer.start());
         // SAFETY: the caller's contract; places and masks are those of nodes, and buffers have this layout.
         unsafe {
             match (isa, self.precision) {
                 #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) if all => wide64::gather::<false>(&parts, &clip, data, to),
+                (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(&parts, clip, data, buffer),
                 #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) => wide64::gather::<true>(&parts, &clip, data, to),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) if all => wide32::gather::<false>(&parts, &clip, data, to),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) => wide32::gather::<true>(&parts, &clip, data, to),
-                (_, Precision::F64) => parts.copy::<u64, 8, false>((!all).then_some(clip), data, to),
-                (_, Precision::F32) => parts.copy::<u32, 16, false>((!all).then_some(clip), data, to),
-                (_, Precision::F16) => parts.copy::<u16, 16, false>((!all).then_some(clip), data, to),
-            }
-        }
-    }
-
-    /// Brings them back.
-    ///
-    /// # Safety
-    /// As for [`Packed::gather`], and nobody reads them.
-    pub unsafe fn scatter(
-        &self,
-        storage: &Storage,
-        isa: InstructionSet,
-        batch: usize,
-        nodes: &Range<usize>,
-        buffer: &mut Buffer,
-    ) {
-        let all = self.holds(batch, nodes);
-        let clip = if all { [0; BLOCKS] } else { self.clip(batch, nodes) };
-        let (parts, data, from) = (self.of(batch), storage.data(), buffer.start());
-        // SAFETY: as in `gather`.
-        unsafe {
-            match (isa, self.precision) {
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) if all => wide64::scatter::<false>(&parts, &clip, data, from),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) => wide64::scatter::<true>(&parts, &clip, data, from),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) if all => wide32::scatter::<false>(&parts, &clip, data, from),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) => wide32::scatter::<true>(&parts, &clip, data, from),
-                (_, Precision::F64) => parts.copy::<u64, 8, true>((!all).then_some(clip), data, from),
-                (_, Precision::F32) => parts.copy::<u32, 16, true>((!all).then_some(clip), data, from),
-                (_, Precision::F16) => parts.copy::<u16, 16, true>((!all).then_some(clip), data, from),
+                (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(&parts, clip, data, buffer),
+                (_, Precision::F64) => parts.carry::<Plain64, BACK>(clip, data, buffer),
+                (_, Precision::F32) => parts.carry::<Plain32, BACK>(clip, data, buffer),
+                (_, Precision::F16) => parts.carry::<Plain16, BACK>(clip, data, buffer),
             }
         }
     }
 }
 
-impl Batch<'_> {
+/// Moves lanes of a block.
+trait Mover {
+    type Number: Copy;
+    /// As many bytes as there are bits to a block.
+    type Mask: Copy;
+    const LANES: usize;
+
+    fn masks(bytes: &[u8]) -> &[Self::Mask];
+    fn mask(mask: Self::Mask) -> u16;
+
+    /// Copies lanes to a buffer; with `ALONE` the others may be written there too.
+    ///
+    /// # Safety
+    /// The instructions are there, the lanes are valid at `from`, and the block at `to`.
+    unsafe fn bring<const ALONE: bool>(from: *const Self::Number, mask: u16, to: *mut Self::Number);
+
+    /// Copies lanes from a buffer.
+    ///
+    /// # Safety
+    /// The instructions are there, the block is valid at `from`, and the lanes at `to`.
+    unsafe fn take(from: *const Self::Number, mask: u16, to: *mut Self::Number);
+}
+
+/// The masks of blocks of eight or sixteen lanes.
+macro_rules! masks {
+    (8) => {
+        type Mask = u8;
+        const LANES: usize = 8;
+
+        #[inline(always)]
+        fn masks(bytes: &[u8]) -> &[u8] {
+            bytes
+        }
+
+        #[inline(always)]
+        fn mask(mask: u8) -> u16 {
+            mask.into()
+        }
+    };
+    (16) => {
+        type Mask = [u8; 2];
+        const LANES: usize = 16;
+
+        #[inline(always)]
+        fn masks(bytes: &[u8]) -> &[[u8; 2]] {
+            bytes.as_chunks().0
+        }
+
+        #[inline(always)]
+        fn mask(mask: [u8; 2]) -> u16 {
+            u16::from_le_bytes(mask)
+        }
+    };
+}
+
+/// Copies lane by lane.
+///
+/// # Safety
+/// The lanes of the mask are valid on both sides.
+#[inline(always)]
+unsafe fn copy<M: Mover>(from: *const M::Number, mut mask: u16, to: *mut M::Number) {
+    // SAFETY: the caller's, and only those are touched.
+    unsafe {
+        if mask.count_ones() as usize == M::LANES {
+            return std::ptr::copy_nonoverlapping(from, to, M::LANES);
+        }
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize;
+            *to.wrapping_add(lane) = *from.wrapping_add(lane);
+            mask &= mask - 1;
+        }
+    }
+}
+
+macro_rules! plain {
+    ($name:ident, $number:ty, $lanes:tt) => {
+        /// Lane by lane.
+        struct $name;
+
+        impl Mover for $name {
+            type Number = $number;
+            masks!($lanes);
+
+            #[inline(always)]
+            unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
+                // SAFETY: the caller's.
+                unsafe { copy::<Self>(from, mask, to) }
+            }
+
+            #[inline(always)]
+            unsafe fn take(from: *const $number, mask: u16, to: *mut $number) {
+                // SAFETY: the caller's.
+                unsafe { copy::<Self>(from, mask, to) }
+            }
+        }
+    };
+}
+
+plain!(Plain64, u64, 8);
+plain!(Plain32, u32, 16);
+plain!(Plain16, u16, 16);
+
+impl Parts<'_> {
+    /// Which lanes part `n` has, of blocks of so many.
+    #[inline(always)]
     pub fn mask(&self, n: usize, lanes: usize) -> u16 {
-        match lanes {
-            8 => u16::from(self.masks[n]),
-            _ => u16::from_le_bytes([self.masks[2 * n], self.masks[2 * n + 1]]),
+        if lanes == 8 {
+            u16::from(self.masks[n])
+        } else {
+            u16::from_le_bytes([self.masks[2 * n], self.masks[2 * n + 1]])
+        }
+    }
+}
+
+impl Batch<'_> {
+    /// See [`Packed::carry`]; of lanes that are clipped none is touched.
+    ///
+    /// # Safety
+    /// As there, and the instructions of the mover are there.
+    #[inline(always)]
+    unsafe fn carry<M: Mover, const BACK: bool>(&self, clip: Option<&[u16; BLOCKS]>, data: *mut u8, buffer: *mut u8) {
+        // Most batches are whole.
+        // SAFETY: the caller's.
+        unsafe {
+            match clip {
+                None => self.carry_lanes::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
+                Some(clip) => self.carry_lanes::<M, BACK, false>(clip, data, buffer),
+            }
         }
     }
 
-    /// Copies to a buffer, or `BACK` from it.
-    unsafe fn copy<S: Copy, const LANES: usize, const BACK: bool>(
+    #[inline(always)]
+    unsafe fn carry_lanes<M: Mover, const BACK: bool, const WHOLE: bool>(
         &self,
-        clip: Option<[u16; BLOCKS]>,
+        clip: &[u16; BLOCKS],
         data: *mut u8,
         buffer: *mut u8,
     ) {
-        let part = |source: u32, to: usize, block: usize, mask: u16| {
-            let mut mask = clip.map_or(mask, |clip| mask & clip[block]);
-            let (place, to) = (
-                data.cast::<S>().wrapping_add(source as usize),
-                buffer.wrapping_add(to).cast::<S>(),
-            );
-            let (from, to) = if BACK { (to, place) } else { (place, to) };
-            // SAFETY: the lanes of the mask are valid on both sides, and only those are touched.
-            unsafe {
-                if mask.count_ones() as usize == LANES {
-                    return std::ptr::copy_nonoverlapping(from, to, LANES);
-                }
-                while mask != 0 {
-                    let lane = mask.trailing_zeros() as usize;
-                    *to.wrapping_add(lane) = *from.wrapping_add(lane);
-                    mask &= mask - 1;
+        let data = data.cast::<M::Number>();
+        let clipped = |mask: u16, block: usize| if WHOLE { mask } else { mask & clip[block] };
+        let room = |slot: usize| {
+            let bytes = M::LANES * size_of::<M::Number>();
+            let at = if bytes == LINE {
+                slot * LINE
+            } else {
+                slot / APART * STRIDE + slot % APART * bytes
+            };
+            buffer.wrapping_add(at).cast::<M::Number>()
+        };
+        let sources = self.main.sources.as_chunks::<BLOCKS>().0;
+        let masks = M::masks(self.main.masks).as_chunks::<BLOCKS>().0;
+        let early = self.early.as_chunks::<BLOCKS>().0;
+        for (n, ((sources, masks), early)) in sources.iter().zip(masks).zip(early).enumerate() {
+            for block in 0..BLOCKS {
+                let mask = clipped(M::mask(masks[block]), block);
+                let place = data.wrapping_add(sources[block] as usize);
+                // SAFETY: the caller's.
+                unsafe {
+                    if BACK {
+                        M::take(room((n + 1) * APART + block), mask, place);
+                    } else {
+                        M::bring::<true>(place, mask, room((n + 1) * APART + block));
+                    }
                 }
             }
-        };
-        for (n, source) in self.sources.iter().enumerate() {
-            let to = (n / BLOCKS + 1) * STRIDE + n % BLOCKS * LANES * size_of::<S>();
-            part(*source, to, n % BLOCKS, self.mask(n, LANES));
+            if BACK && WHOLE {
+                for source in early {
+                    prefetch_early(data.wrapping_add(*source as usize));
+                }
+            }
         }
-        for other in self.others {
-            let to = usize::from(other.to);
-            part(other.source, to, to % STRIDE / (LANES * size_of::<S>()), other.mask);
+        let masks = M::masks(self.others.masks);
+        for ((source, mask), slot) in self.others.sources.iter().zip(masks).zip(self.slots) {
+            let slot = usize::from(*slot);
+            let mask = clipped(M::mask(*mask), slot % APART);
+            let place = data.wrapping_add(*source as usize);
+            // SAFETY: the caller's.
+            unsafe {
+                if BACK {
+                    M::take(room(slot), mask, place);
+                } else {
+                    M::bring::<false>(place, mask, room(slot));
+                }
+            }
+        }
+        if !BACK && WHOLE {
+            for source in self.next {
+                prefetch(data.wrapping_add(*source as usize));
+            }
         }
     }
 }
 
 /// Copying by masked vectors of 512 bits.
 #[cfg(target_arch = "x86_64")]
-macro_rules! wide {
-    ($name:ident, $number:ty, $mask:ty, $lanes:literal, $load:ident, $load_all:ident, $store:ident, $store_all:ident) => {
-        mod $name {
-            use super::{BLOCKS, Batch, STRIDE};
-            use crate::simd::{prefetch, prefetch_early};
-            use std::arch::x86_64::*;
+mod wide {
+    use super::{BLOCKS, Batch, Mover};
+    use std::arch::x86_64::*;
 
-            const BYTES: usize = $lanes / 8;
+    macro_rules! mover {
+        (
+            $name:ident, $number:ty, $mask:ty, $lanes:tt, $carry:ident,
+            $load:ident, $load_all:ident, $store:ident, $store_all:ident
+        ) => {
+            struct $name;
 
-            /// To a buffer. With `CLIP` only those lanes are touched.
-            ///
-            /// # Safety
-            /// AVX-512F is there; lanes of the masks are valid at their sources, and the buffer is one.
-            #[target_feature(enable = "avx512f")]
-            pub unsafe fn gather<const CLIP: bool>(
-                parts: &Batch,
-                clip: &[u16; BLOCKS],
-                data: *mut u8,
-                buffer: *mut u8,
-            ) {
-                let data = data.cast::<$number>();
-                let sources = parts.sources.as_chunks::<BLOCKS>().0;
-                let masks = parts.masks.as_chunks::<{ BLOCKS * BYTES }>().0;
-                for (n, (sources, masks)) in sources.iter().zip(masks).enumerate() {
-                    let to = buffer.wrapping_add((n + 1) * STRIDE).cast::<$number>();
-                    let masks = masks.as_chunks::<BYTES>().0;
-                    for block in 0..BLOCKS {
-                        let mut mask = <$mask>::from_le_bytes(masks[block]);
-                        if CLIP {
-                            mask &= clip[block] as $mask;
+            impl Mover for $name {
+                type Number = $number;
+                masks!($lanes);
+
+                #[inline(always)]
+                unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
+                    // SAFETY: the caller's; other lanes are masked out, or in a buffer.
+                    unsafe {
+                        let lanes = $load(mask as $mask, from);
+                        if ALONE {
+                            $store_all(to, lanes);
+                        } else {
+                            $store(to, mask as $mask, lanes);
                         }
-                        let from = data.wrapping_add(sources[block] as usize);
-                        // SAFETY: the contract of this function; other lanes are masked out.
-                        unsafe { $store_all(to.wrapping_add(block * $lanes), $load(mask, from)) };
                     }
                 }
-                for other in parts.others {
-                    let at = usize::from(other.to);
-                    let mut mask = other.mask as $mask;
-                    if CLIP {
-                        mask &= clip[at % STRIDE / ($lanes * size_of::<$number>())] as $mask;
-                    }
-                    let (from, to) = (
-                        data.wrapping_add(other.source as usize),
-                        buffer.wrapping_add(at).cast(),
-                    );
-                    // SAFETY: as above.
-                    unsafe { $store(to, mask, $load(mask, from)) };
-                }
-                if !CLIP {
-                    for other in parts.next {
-                        prefetch(data.wrapping_add(other.source as usize));
-                    }
+
+                #[inline(always)]
+                unsafe fn take(from: *const $number, mask: u16, to: *mut $number) {
+                    // SAFETY: the caller's; other lanes are masked out, or in a buffer.
+                    unsafe { $store(to, mask as $mask, $load_all(from)) };
                 }
             }
 
-            /// From a buffer. With `CLIP` only those lanes are touched.
-            ///
             /// # Safety
-            /// As for [`gather`].
+            /// As for [`Batch::carry`].
             #[target_feature(enable = "avx512f")]
-            pub unsafe fn scatter<const CLIP: bool>(
+            pub unsafe fn $carry<const BACK: bool>(
                 parts: &Batch,
-                clip: &[u16; BLOCKS],
+                clip: Option<&[u16; BLOCKS]>,
                 data: *mut u8,
                 buffer: *mut u8,
             ) {
-                let data = data.cast::<$number>();
-                let sources = parts.sources.as_chunks::<BLOCKS>().0;
-                let masks = parts.masks.as_chunks::<{ BLOCKS * BYTES }>().0;
-                let early = parts.early.as_chunks::<BLOCKS>().0;
-                for (n, ((sources, masks), early)) in sources.iter().zip(masks).zip(early).enumerate() {
-                    let from = buffer.wrapping_add((n + 1) * STRIDE).cast::<$number>();
-                    let masks = masks.as_chunks::<BYTES>().0;
-                    for block in 0..BLOCKS {
-                        let mut mask = <$mask>::from_le_bytes(masks[block]);
-                        if CLIP {
-                            mask &= clip[block] as $mask;
-                        }
-                        let to = data.wrapping_add(sources[block] as usize);
-                        // SAFETY: as in `gather`.
-                        unsafe { $store(to, mask, $load_all(from.wrapping_add(block * $lanes))) };
-                    }
-                    if !CLIP {
-                        for source in early {
-                            prefetch_early(data.wrapping_add(*source as usize));
-                        }
-                    }
-                }
-                for other in parts.others {
-                    let at = usize::from(other.to);
-                    let mut mask = other.mask as $mask;
-                    if CLIP {
-                        mask &= clip[at % STRIDE / ($lanes * size_of::<$number>())] as $mask;
-                    }
-                    let to = data.wrapping_add(other.source as usize);
-                    // SAFETY: as in `gather`.
-                    unsafe { $store(to, mask, $load_all(buffer.wrapping_add(at).cast())) };
-                }
+                // SAFETY: the caller's.
+                unsafe { parts.carry::<$name, BACK>(clip, data, buffer) };
             }
-        }
-    };
+        };
+    }
+
+    mover!(
+        Wide64,
+        f64,
+        u8,
+        8,
+        carry64,
+        _mm512_maskz_loadu_pd,
+        _mm512_loadu_pd,
+        _mm512_mask_storeu_pd,
+        _mm512_storeu_pd
+    );
+    mover!(
+        Wide32,
+        f32,
+        u16,
+        16,
+        carry32,
+        _mm512_maskz_loadu_ps,
+        _mm512_loadu_ps,
+        _mm512_mask_storeu_ps,
+        _mm512_storeu_ps
+    );
 }
-
-#[cfg(target_arch = "x86_64")]
-wide!(
-    wide64,
-    f64,
-    u8,
-    8,
-    _mm512_maskz_loadu_pd,
-    _mm512_loadu_pd,
-    _mm512_mask_storeu_pd,
-    _mm512_storeu_pd
-);
-#[cfg(target_arch = "x86_64")]
-wide!(
-    wide32,
-    f32,
-    u16,
-    16,
-    _mm512_maskz_loadu_ps,
-    _mm512_loadu_ps,
-    _mm512_mask_storeu_ps,
-    _mm512_storeu_ps
-);

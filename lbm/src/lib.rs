@@ -12,6 +12,7 @@
 //! the even step has left them, and leaves the collided ones where the next even step finds them. Only fluid nodes are
 //! touched. Results do not depend on the number of threads, to the last bit.
 
+mod adding;
 mod batch;
 mod choice;
 mod collide;

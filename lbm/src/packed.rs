@@ -12,7 +12,7 @@
 
 use crate::collide::Places;
 use crate::element::Precision;
-use crate::ferry::{BLOCKS, Batch, Buffer, Other, STRIDE};
+use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE};
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
@@ -31,8 +31,11 @@ pub struct Packed {
     sources: Vec<u32>,
     /// Which lanes are there, a bit each.
     masks: Vec<u8>,
-    others: Vec<Other>,
-    /// Of each batch the first of `others`, and their number.
+    /// The same of further parts, and of which block and population each is.
+    other_sources: Vec<u32>,
+    other_masks: Vec<u8>,
+    slots: Vec<u8>,
+    /// Of each batch the first further part, and their number.
     first_other: Vec<u32>,
     /// Links into walls.
     pub links: usize,
@@ -57,7 +60,9 @@ impl Packed {
             precision: storage.precision(),
             sources: Vec::new(),
             masks: Vec::new(),
-            others: Vec::new(),
+            other_sources: Vec::new(),
+            other_masks: Vec::new(),
+            slots: Vec::new(),
             first_other: vec![0],
             links: 0,
         }
@@ -85,12 +90,14 @@ impl Packed {
             &mut self.rows,
             &mut self.first_run,
             &mut self.sources,
+            &mut self.other_sources,
             &mut self.first_other,
         ] {
             numbers.shrink_to_fit();
         }
-        self.masks.shrink_to_fit();
-        self.others.shrink_to_fit();
+        for bytes in [&mut self.masks, &mut self.other_masks, &mut self.slots] {
+            bytes.shrink_to_fit();
+        }
     }
 
     /// Bytes of memory.
@@ -100,7 +107,9 @@ impl Packed {
             + size_of_val(&*self.first_run)
             + size_of_val(&*self.sources)
             + size_of_val(&*self.masks)
-            + size_of_val(&*self.others)
+            + size_of_val(&*self.other_sources)
+            + size_of_val(&*self.other_masks)
+            + size_of_val(&*self.slots)
             + size_of_val(&*self.first_other)
     }
 
@@ -135,27 +144,42 @@ impl Packed {
                 let (source, mask) = parts.first().copied().unwrap_or((places[i * batch], 0));
                 self.sources.push(source);
                 self.masks.extend(&mask.to_le_bytes()[..lanes / 8]);
-                let to = (i * STRIDE + block * lanes * self.precision.bytes()) as u16;
-                let others = parts.iter().skip(1);
-                self.others
-                    .extend(others.map(|&(source, mask)| Other { source, to, mask }));
+                for (source, mask) in parts.iter().skip(1) {
+                    self.other_sources.push(*source);
+                    self.other_masks.extend(&mask.to_le_bytes()[..lanes / 8]);
+                    self.slots.push((i * APART + block) as u8);
+                }
             }
         }
-        self.first_other.push(self.others.len() as u32);
+        self.first_other.push(self.other_sources.len() as u32);
+    }
+
+    /// Sources of the fullest parts of a batch.
+    fn sources_of(&self, batch: usize) -> &[u32] {
+        let slots = (self.q - 1) * BLOCKS;
+        &self.sources[batch * slots..][..slots]
     }
 
     pub fn of(&self, batch: usize) -> Batch<'_> {
-        let (places, first) = ((self.q - 1) * BLOCKS, &self.first_other);
-        let others = |n: usize| &self.others[first[n] as usize..first[n + 1] as usize];
-        let sources = |n: usize| &self.sources[n * places..][..places];
-        let bytes = places * (lanes(self.precision) / 8);
-        let last = self.batches() - 1;
+        let (slots, bytes) = ((self.q - 1) * BLOCKS, lanes(self.precision) / 8);
+        let others = |n: usize| self.first_other[n] as usize..self.first_other[n + 1] as usize;
+        let (here, last) = (others(batch), self.batches() - 1);
         Batch {
-            sources: sources(batch),
-            masks: &self.masks[batch * bytes..][..bytes],
-            others: others(batch),
-            next: if batch < last { others(batch + 1) } else { &[] },
-            early: sources((batch + 2).min(last)),
+            main: Parts {
+                sources: self.sources_of(batch),
+                masks: &self.masks[batch * slots * bytes..][..slots * bytes],
+            },
+            others: Parts {
+                sources: &self.other_sources[here.clone()],
+                masks: &self.other_masks[here.start * bytes..here.end * bytes],
+            },
+            slots: &self.slots[here],
+            next: if batch < last {
+                &self.other_sources[others(batch + 1)]
+            } else {
+                &[]
+            },
+            early: self.sources_of((batch + 2).min(last)),
         }
     }
 
@@ -164,17 +188,17 @@ impl Packed {
         if i == 0 {
             return storage.arrays()[0] + node;
         }
-        let (lanes, bytes) = (lanes(self.precision), self.precision.bytes());
+        let lanes = lanes(self.precision);
         let (batch, at) = (self.of(node / self.batch()), node % self.batch());
         let (block, lane) = (at / lanes, at % lanes);
-        let n = (i - 1) * BLOCKS + block;
-        let to = i * STRIDE + block * lanes * bytes;
-        let mut others = batch.others.iter();
-        let source = if batch.mask(n, lanes) >> lane & 1 == 1 {
-            batch.sources[n]
+        let slot = (i - 1) * BLOCKS + block;
+        let has = |parts: &Parts, n: usize| parts.mask(n, lanes) >> lane & 1 == 1;
+        let source = if has(&batch.main, slot) {
+            batch.main.sources[slot]
         } else {
-            let here = others.find(|o| usize::from(o.to) == to && o.mask >> lane & 1 == 1);
-            here.map_or(0, |o| o.source)
+            let mut others = batch.slots.iter().enumerate();
+            let here = others.find(|(n, s)| usize::from(**s) == i * APART + block && has(&batch.others, *n));
+            here.map_or(0, |(n, _)| batch.others.sources[n])
         };
         source.wrapping_add(lane as u32) as usize
     }
@@ -214,8 +238,7 @@ impl Packed {
     pub fn sources(&self, storage: &Storage, batch: usize) -> Places {
         let first = self.resting(storage, batch);
         let (mut places, bytes) = ([first; MAX_Q], self.precision.bytes());
-        let slots = (self.q - 1) * BLOCKS;
-        let sources = self.sources[batch * slots..][..slots].iter().step_by(BLOCKS);
+        let sources = self.sources_of(batch).iter().step_by(BLOCKS);
         for (place, source) in places[1..].iter_mut().zip(sources) {
             *place = storage.data().wrapping_add(*source as usize * bytes);
         }
@@ -258,13 +281,12 @@ impl Packed {
                 mask &= mask - 1;
             }
         };
-        for (n, source) in parts.sources.iter().enumerate() {
-            each(n / BLOCKS + 1, n % BLOCKS, *source, parts.mask(n, lanes));
+        for (n, source) in parts.main.sources.iter().enumerate() {
+            each(n / BLOCKS + 1, n % BLOCKS, *source, parts.main.mask(n, lanes));
         }
-        for other in parts.others {
-            let to = usize::from(other.to);
-            let block = to % STRIDE / (lanes * self.precision.bytes());
-            each(to / STRIDE, block, other.source, other.mask);
+        for (n, (source, slot)) in parts.others.sources.iter().zip(parts.slots).enumerate() {
+            let slot = usize::from(*slot);
+            each(slot / APART, slot % APART, *source, parts.others.mask(n, lanes));
         }
     }
 

@@ -231,7 +231,7 @@ impl Fluid {
             let to = to.map(|t| t.wrapping_add(part.start - nodes.start));
             // SAFETY: the caller's; the buffer holds these nodes.
             unsafe {
-                packed.gather(&self.storage, self.isa, batch, &part, &mut buffer);
+                packed.carry::<false>(&self.storage, self.isa, batch, &part, &mut buffer);
                 let places = packed.places(&self.storage, batch, &mut buffer);
                 self.read(&places, part.start - batch * size..part.end - batch * size, to);
             }
