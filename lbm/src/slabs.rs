@@ -7,8 +7,7 @@ use crate::parallel;
 use lbm_ibm_coupling::Bricks;
 use std::ops::Range;
 
-/// Bytes of populations that are collided at a time before links are seen to: less than the last cache holds. Half and four times as much
-/// are slower in the pores of `speed fluid --scene porous`.
+/// Bytes of populations that are collided at a time before links are seen to: a small part of what the last cache holds.
 const SLAB: usize = 1 << 21;
 
 impl Fluid {

@@ -217,9 +217,9 @@ fn memory_follows_the_fluid_nodes() {
     let pores = |x: Vec3| x.map(|v| v - 32e-6 * (v / 32e-6).round()).norm() - 18e-6;
     type Scene = (fn(Vec3) -> f64, [usize; 3], [f64; 2]);
     let scenes: [Scene; 3] = [
-        (along_x, [64, 24, 24], [1.10, 1.25]),
-        (along_z, [24, 24, 64], [1.15, 1.32]),
-        (pores, [64; 3], [1.15, 1.40]),
+        (along_x, [64, 24, 24], [1.08, 1.19]),
+        (along_z, [24, 24, 64], [1.15, 1.26]),
+        (pores, [64; 3], [1.14, 1.30]),
     ];
     for (distance, shape, most) in scenes {
         for (rule, most) in [WallRule::Halfway, WallRule::Cli].into_iter().zip(most) {
