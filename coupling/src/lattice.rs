@@ -73,7 +73,7 @@ pub struct WallReport {
     /// Links that take the wall to be half way, for want of a second fluid node to find it from, where the fluid would
     /// interpolate.
     pub uninterpolated_links: usize,
-    /// Links between two fluid nodes that a wall thinner than a cell parts.
+    /// Links between two fluid nodes that a wall thinner than a cell parts: as a whole, or beside its rim in part.
     pub thin_links: usize,
     /// Neighbouring nodes in two walls with a gap between them that is too narrow for a node, and lost.
     pub closed_gaps: usize,

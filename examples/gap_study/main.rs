@@ -64,7 +64,7 @@ fn devices(options: &Options) -> Vec<Device> {
         _ if !options.gaps.is_empty() => options.gaps.clone(),
         Subject::Ctc => (8..=15).map(f64::from).collect(),
         Subject::RbcEdge | Subject::RbcFace => (2..=6).map(f64::from).collect(),
-        Subject::Neutrophil | Subject::Lymphocyte => vec![3.0, 4.0],
+        Subject::Neutrophil | Subject::Lymphocyte => vec![3.0],
     };
     let devices = options.cells.iter().flat_map(|&subject| {
         let gaps: Vec<f64> = gaps(subject);

@@ -11,7 +11,7 @@ pub struct Options {
     /// Cells, by commas.
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Subject::RbcEdge, Subject::RbcFace, Subject::Ctc, Subject::Neutrophil, Subject::Lymphocyte])]
     pub cells: Vec<Subject>,
-    /// Gaps in um, by commas [default: 2 to 6 for red cells, 8 to 15 for tumour cells, 3 and 4 for leucocytes].
+    /// Gaps in um, by commas [default: 2 to 6 for red cells, 8 to 15 for tumour cells, 3 for leucocytes].
     #[arg(long, value_delimiter = ',')]
     pub gaps: Vec<f64>,
     /// Grid spacing in um [default: 0.5; 1 for tumour cells].
