@@ -85,8 +85,7 @@ pub const GAP: Chart = Chart {
     cost: "cost of the transit, s",
     error: "relative error of the transit time",
     advice: "The longest step that the scene accepts, by scaling the Reynolds number: on one grid transits agree within 0.2 % for every \
-              relaxation time and scaling. The time belongs to the grid: 10 spacings in a red cell's gap leave 4 %. Compare grids \
-              whose gaps are all odd or all even in spacings.",
+              relaxation time and scaling. The time belongs to the grid: 10 spacings in a red cell's gap leave 4 %.",
     cases: transits,
 };
 
