@@ -1,12 +1,11 @@
 //! Rims of walls that are thinner than a cell: how much of a link passes.
 //!
 //! The velocity at a rim is singular and the nearest node a good part of a spacing away, so a link that passes or not by where
-//! it crosses the plane of the wall moves the rim by up to half a spacing, and on the mean by 0.18 outwards. Links that cross
+//! it crosses the plane of the wall moves the rim by up to half a spacing, mostly outwards. Links that cross
 //! the opening at a distance `s` (in spacings) of less than a half from the rim pass in part instead: the share `k/(1 + k)` of
 //! what goes out goes through and the rest comes back, with `k = s^0.75/(0.5 - s)/(tau - 1/2)`. Divided by the
 //! viscosity like that the flow does not change with tau. The function of `s` is that for which slits have the resistance
-//! of slits at any place on the grid: their rims act within 0.06 spacings of where they are, but for `s` below 0.05, where it is
-//! up to 0.15 (`--test thin`, `validate slit_pore_resistance`). It was not fitted to round pores. Mass and momentum are kept link by link.
+//! of slits at any place on the grid (`--test thin`, `validate slit_pore_resistance`), least so where a rim lies on nodes. It was not fitted to round pores. Mass and momentum are kept link by link.
 
 use crate::surface::Surface;
 use lbm_ibm_coupling::{Boundary, Vec3};

@@ -309,9 +309,8 @@ const PLACED: [Placed; 5] = [
 /// A free sphere on the axis of a tube: its velocity within 1 %, the extra pressure drop within 3 %.
 ///
 /// The extra pressure goes with the fifth power of the sphere's radius, so that 3 % of it are 0.6 % of the radius. On the axis there is neither
-/// slip nor strain, and what is left is the curvature of the profile. The depth of the markers is that with which the drag is right (to 0.1 %); to a flow that
-/// varies over the sphere a smeared shell looks larger by a part that falls with its radius. At 3.6 spacings it is 0.02 to 0.03 spacings, with kernel and place: the
-/// other kernels and places of the least sphere are reported.
+/// slip nor strain, and what is left is the curvature of the profile. The depth of the markers is that with which the drag is right; a smeared shell may
+/// look larger to a flow that varies over the sphere. The other kernels and places of the least sphere are reported.
 pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let cells = 12.0;
