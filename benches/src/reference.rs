@@ -25,6 +25,18 @@ pub enum ReferenceError {
         /// What stands there.
         text: String,
     },
+    /// No row has what was asked for.
+    #[error("no row of {table} has {column} = {text}; there are {known}")]
+    NoRow {
+        /// Name of the table.
+        table: String,
+        /// Column.
+        column: String,
+        /// What was asked for.
+        text: String,
+        /// What the rows have there.
+        known: String,
+    },
     /// A row lacks a column, or holds something that is not a number.
     #[error("column `{column}` of {table} is missing or not a number: `{text}`")]
     Column {
@@ -86,6 +98,34 @@ impl Table {
             name: name.to_owned(),
             rows,
         })
+    }
+
+    /// Only the rows with this in a column; numbers are compared as such.
+    ///
+    /// # Errors
+    /// [`ReferenceError::NoRow`], [`ReferenceError::Column`] where there is no such column.
+    pub fn only(mut self, column: &str, text: &str) -> Result<Self, ReferenceError> {
+        let same = |field: &str| match (field.parse::<f64>(), text.parse::<f64>()) {
+            (Ok(a), Ok(b)) => a == b,
+            _ => field == text,
+        };
+        let mut known: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            let field = row.text(column)?;
+            if !known.contains(&field) {
+                known.push(field);
+            }
+        }
+        if !known.iter().any(|k| same(k)) {
+            return Err(ReferenceError::NoRow {
+                table: self.name.clone(),
+                column: column.to_owned(),
+                text: text.to_owned(),
+                known: known.join(", "),
+            });
+        }
+        self.rows.retain(|row| row.fields.get(column).is_some_and(|f| same(f)));
+        Ok(self)
     }
 
     /// The name, that of the case.
@@ -156,5 +196,28 @@ impl Row {
             column: column.to_owned(),
             text: text.to_owned(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_chosen_by_what_they_have() {
+        let table = || Table::read(&Table::own_folder(), "capsule_tube").expect("the package has it");
+        let all = table().rows().len();
+        let some = table().only("law", "SK").and_then(|t| t.only("Ca", "0.10"));
+        let some = some.expect("there are such rows");
+        assert!(!some.rows().is_empty() && some.rows().len() < all);
+        for row in some.rows() {
+            assert_eq!(row.text("law").ok(), Some("SK"));
+            assert_eq!(row.number("Ca").ok(), Some(0.1));
+        }
+        assert!(matches!(table().only("Ca", "7"), Err(ReferenceError::NoRow { .. })));
+        assert!(matches!(
+            table().only("no such", "7"),
+            Err(ReferenceError::Column { .. })
+        ));
     }
 }

@@ -33,7 +33,10 @@ struct Options {
     /// Folder of reference files in the same columns, instead of the package's own.
     #[arg(long, value_name = "DIR")]
     reference: Option<PathBuf>,
-    /// Write all findings as JSON.
+    /// Only rows of the reference files that have this in a column; once for each column.
+    #[arg(long, value_name = "COLUMN=VALUE", value_parser = column_and_value)]
+    only: Vec<(String, String)>,
+    /// Write all findings as JSON, after each case those so far.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     /// What the fluid's populations are stored as; other than 64 bits for the cases of the fluid alone.
@@ -45,6 +48,11 @@ struct Options {
     /// Print every finding, not only each case's worst.
     #[arg(long)]
     verbose: bool,
+}
+
+fn column_and_value(text: &str) -> Result<(String, String), String> {
+    let (column, value) = text.split_once('=').ok_or("COLUMN=VALUE is wanted, such as Ca=0.1")?;
+    Ok((column.to_owned(), value.to_owned()))
 }
 
 fn main() -> ExitCode {
@@ -91,14 +99,23 @@ fn run(options: &Options) -> Result<bool, Fault> {
     let mut all = Vec::new();
     for (name, case) in CASES.iter().filter(|(n, _)| wanted(n)) {
         let findings = match case {
-            Case::Rows(compute) => compute(&Table::read(&folder, name)?, effort)?,
+            Case::Rows(compute) => {
+                let mut table = Table::read(&folder, name)?;
+                for (column, value) in &options.only {
+                    table = table.only(column, value)?;
+                }
+                compute(&table, effort)?
+            }
+            Case::Alone(_) if !options.only.is_empty() => {
+                return Err(format!("`{name}` has no reference file whose rows --only could choose from").into());
+            }
             Case::Alone(compute) => compute(effort)?,
         };
         print_case(name, &findings, options);
         all.extend(findings.found);
-    }
-    if let Some(path) = &options.json {
-        lbm_ibm::output::write_json(path, &all)?;
+        if let Some(path) = &options.json {
+            lbm_ibm::output::write_json(path, &all)?;
+        }
     }
     if let Some(before) = before {
         println!("{}", comparison(&before, &all));
