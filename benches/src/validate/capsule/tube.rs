@@ -28,6 +28,14 @@ const FULL: &[(&str, f64, f64)] = &[
 /// Ratio of the radii above which a tube is tight.
 const TIGHT: f64 = 0.85;
 
+/// Ratio above which a capsule is so compressed along the hoops that a membrane without bending folds.
+const FOLDING: f64 = 1.0;
+/// Stiffness of hinges over shear modulus times radius squared, and spacings to the tube's radius, of one more run of such a capsule:
+/// without hinges folds are as short as the mesh lets them and hardly show, weak hinges make them long enough to be seen.
+const HINGES: (f64, f64) = (0.002, 20.0);
+/// Departure of the widest ring from a circle over the tube's radius, with those hinges, from which on it is folded.
+const FOLDED: f64 = 0.01;
+
 /// Runs that are done: the two cases are about the same ones.
 static DONE: Mutex<Vec<(Tube, Settled, f64)>> = Mutex::new(Vec::new());
 
@@ -48,16 +56,38 @@ fn tube(row: &Row, effort: Effort) -> Result<Option<Tube>, Fault> {
     let (cells, step) = match (effort.quick, is_tight) {
         (true, _) => (20.0, 0.02),
         (false, false) => (24.0, 0.02),
+        (false, true) if ratio > FOLDING => (32.0, 0.012),
         (false, true) => (28.0, 0.015),
     };
     Ok(wanted.then_some(Tube {
         material,
         ratio,
         capillary,
+        bending: 0.0,
         cells,
         length: if ratio > 1.0 { 5.0 } else { 3.5 },
         step: step * capillary,
     }))
+}
+
+impl Tube {
+    /// The run that tells whether it folds, where that is to be asked.
+    fn hinged(&self) -> Option<Self> {
+        let (bending, cells) = HINGES;
+        (self.ratio > FOLDING).then_some(Self {
+            bending,
+            cells,
+            ..*self
+        })
+    }
+}
+
+/// Departure of the widest ring from a circle over the tube's radius of each tube with weak hinges; zero where it is not asked for.
+fn folds(tubes: &[Tube]) -> Result<Vec<f64>, Fault> {
+    let hinged: Vec<Tube> = tubes.iter().filter_map(Tube::hinged).collect();
+    let mut found = settle(&hinged)?.into_iter();
+    let fold = |t: &Tube| t.hinged().and_then(|_| found.next()).map_or(0.0, |f| f.0.meridian.fold);
+    Ok(tubes.iter().map(fold).collect())
 }
 
 /// Runs those that are not done yet; results in the order of the list.
@@ -85,7 +115,7 @@ fn name(row: &Row, tube: &Tube) -> BTreeMap<String, String> {
 
 /// A spherical capsule on the axis of a tube at fixed flux: its velocity within 1 %, extra pressure and film within 3 % at
 /// a/R = 0.8, all within 5 % in a narrower tube. The tube's radius is the one that its empty flow has. A membrane that is
-/// compressed along the hoops folds, since it has no bending stiffness: the fold that is reported tells.
+/// compressed along the hoops folds, since it has no bending stiffness: at a/R = 1.1 one with weak hinges, on a coarser grid, tells.
 pub fn capsule_tube(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let mut rows = Vec::new();
@@ -96,7 +126,8 @@ pub fn capsule_tube(table: &Table, effort: Effort) -> Outcome {
         }
     }
     let tubes: Vec<Tube> = rows.iter().map(|(_, tube)| *tube).collect();
-    for ((row, tube), (settled, seconds)) in rows.iter().zip(settle(&tubes)?) {
+    let folds = folds(&tubes)?;
+    for (((row, tube), (settled, seconds)), fold) in rows.iter().zip(settle(&tubes)?).zip(folds) {
         findings.begin_done(name(row, tube), seconds);
         let gates = if tube.ratio > 0.85 {
             [0.05; 3]
@@ -112,6 +143,9 @@ pub fn capsule_tube(table: &Table, effort: Effort) -> Outcome {
         findings.report("L_over_R", settled.meridian.length, length, length);
         findings.report("film in spacings", settled.meridian.film * tube.cells, 2.0, 2.0);
         findings.report("fold of the widest ring over R", settled.meridian.fold, 0.0, 1.0);
+        if tube.hinged().is_some() {
+            findings.report("the same with weak hinges", fold, 0.0, 1.0);
+        }
         findings.report("tube's radius over its own", settled.tube_radius, 1.0, 1.0);
         findings.report("change of U_ratio at the end", settled.drift[0], 0.0, 1.0);
         findings.report("change of dP at the end", settled.drift[1], 0.0, 1.0);
@@ -126,7 +160,8 @@ pub fn capsule_tube(table: &Table, effort: Effort) -> Outcome {
 }
 
 /// The surfaces of the runs of [`capsule_tube`] against the file's meridians: normal distance over the tube's radius, 1 % in
-/// the mean square; the largest is reported.
+/// the mean square; the largest is reported. A folded surface is none of revolution: where weak hinges show that it folds, as at
+/// a/R = 1.1, the distance is reported only.
 pub fn capsule_tube_profile(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let mut rows: Vec<(&Row, Tube, Vec<[f64; 2]>)> = Vec::new();
@@ -142,10 +177,15 @@ pub fn capsule_tube_profile(table: &Table, effort: Effort) -> Outcome {
         }
     }
     let tubes: Vec<Tube> = rows.iter().map(|r| r.1).collect();
-    for ((row, tube, line), (settled, seconds)) in rows.iter().zip(settle(&tubes)?) {
+    let folds = folds(&tubes)?;
+    for (((row, tube, line), (settled, seconds)), fold) in rows.iter().zip(settle(&tubes)?).zip(folds) {
         findings.begin_done(name(row, tube), seconds);
         let distance = settled.meridian.distance(line);
-        findings.check_scaled("rms distance over R", distance.rms, 0.0, 1.0, 0.01);
+        if fold < FOLDED {
+            findings.check_scaled("rms distance over R", distance.rms, 0.0, 1.0, 0.01);
+        } else {
+            findings.report("rms distance over R, folded", distance.rms, 0.0, 1.0);
+        }
         findings.report("largest distance over R", distance.largest, 0.0, 1.0);
     }
     Ok(findings)

@@ -8,7 +8,7 @@ use crate::validate::driven::{TubeBox, force, guard, mean_force};
 use lbm_ibm::coupling::nalgebra::Isometry3;
 use lbm_ibm::coupling::{Boundary, Probe, Scene, Soa3, Vec3};
 use lbm_ibm::ibm::{DeltaExchange, Kernel};
-use lbm_ibm::membrane::{Cell, Mesh};
+use lbm_ibm::membrane::{Cell, Mesh, laws};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -40,6 +40,8 @@ pub struct Tube {
     pub ratio: f64,
     /// Viscosity times mean velocity over shear modulus.
     pub capillary: f64,
+    /// Stiffness of the hinges between its triangles over shear modulus times radius squared.
+    pub bending: f64,
     /// Radius of the tube in spacings.
     pub cells: f64,
     /// Period along the axis in radii of the tube.
@@ -144,7 +146,10 @@ impl Tube {
         let mesh = Arc::new(Mesh::sphere(size - inset, nodes)?);
         let shear = VISCOSITY * mean / self.capillary;
         let cell = Cell::new("capsule", mesh.clone());
-        let cell = self.material.around(cell, &mesh, shear)?;
+        let mut cell = self.material.around(cell, &mesh, shear)?;
+        if self.bending > 0.0 {
+            cell = cell.with_law(laws::Bending::new(&mesh, self.bending * shear * size * size)?);
+        }
         let pose = Isometry3::translation(centre.x, centre.y, centre.z);
         let id = scene.add_body(cell.with_constant_volume(), &pose)?;
         let narrow = (FITS / self.ratio).min(1.0);

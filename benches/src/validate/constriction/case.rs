@@ -1,6 +1,6 @@
 //! The case: all ratios on all grids of the file.
 
-use super::passage::{NODES, Passage};
+use super::passage::{NODE_AREA, Passage};
 use super::watch::Passed;
 use crate::reference::{ReferenceError, Row, Table};
 use crate::scenes::side_by_side;
@@ -10,8 +10,8 @@ use crate::validate::{Effort, Findings, Outcome};
 const GRIDS: [&str; 3] = ["Rt_coarse", "Rt_medium", "Rt_fine"];
 /// Ratio of the radii in a quick run, on the first grid, and of the finer mesh there.
 const QUICK: f64 = 1.0;
-/// Nodes of that mesh.
-const FINER_MESH: usize = 5120;
+/// Area for each node of that mesh, in squared spacings.
+const FINER_MESH: f64 = 0.5;
 
 /// What a row is about.
 fn quantity(row: &Row, passed: &Passed) -> Result<f64, ReferenceError> {
@@ -79,8 +79,12 @@ pub fn constriction(table: &Table, effort: Effort) -> Outcome {
     findings.left_out = all - ratios.len() * grids;
     let mut jobs: Vec<Passage> = Vec::new();
     for &(ratio, cells) in &ratios {
-        let job = |nodes, cells| Passage { ratio, cells, nodes };
-        jobs.extend(cells[..grids].iter().map(|&n| job(NODES, n)));
+        let job = |node_area, cells| Passage {
+            ratio,
+            cells,
+            node_area,
+        };
+        jobs.extend(cells[..grids].iter().map(|&n| job(NODE_AREA, n)));
         if ratio == QUICK && !effort.quick {
             jobs.push(job(FINER_MESH, cells[0]));
         }
@@ -103,15 +107,15 @@ pub fn constriction(table: &Table, effort: Effort) -> Outcome {
             for (row, values) in rows().zip(&mut values) {
                 let (quantity, value) = (row.text("quantity")?, quantity(row, passed)?);
                 let exact = row.number("extrapolated")?;
-                if job.nodes == NODES {
+                if job.node_area == NODE_AREA {
                     let gate = row.number("error_coarse")? * cells[0] / job.cells;
                     findings.check(quantity, value, exact, gate);
                     values.push(value);
                 } else {
-                    findings.report(&format!("{quantity} on {} nodes", job.nodes), value, exact, exact);
+                    findings.report(&format!("{quantity} on a finer mesh"), value, exact, exact);
                 }
             }
-            if job.nodes == NODES {
+            if job.node_area == NODE_AREA {
                 details(&mut findings, job, passed);
             }
         }

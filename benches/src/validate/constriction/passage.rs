@@ -26,8 +26,9 @@ const TAU: f64 = 1.0;
 const AREA_RATIO: f64 = 1.0;
 /// Bending stiffness over shear modulus times squared radius: a membrane without any folds where it is compressed.
 const BENDING: f64 = 0.01;
-/// Nodes of the mesh on every grid, so that grids differ in nothing else.
-pub const NODES: usize = 2562;
+/// Area of the unstressed surface for each node, in squared spacings: edges are a little over a spacing long on every grid, so that what
+/// the kernel does between nodes, which shows in the film, falls off with the spacing too. One mesh for all grids gave no order.
+pub const NODE_AREA: f64 = 1.0;
 /// Radius of the tube, half of the throat's straight part, period, and the place of the capsule at the start before the middle
 /// of the throat, in radii of the capsule.
 const TUBE: f64 = 2.0;
@@ -46,8 +47,8 @@ pub struct Passage {
     pub ratio: f64,
     /// Radius of the throat in spacings.
     pub cells: f64,
-    /// Nodes of its mesh.
-    pub nodes: usize,
+    /// Area for each node of its mesh, in squared spacings.
+    pub node_area: f64,
 }
 
 impl Passage {
@@ -104,7 +105,8 @@ impl Passage {
         }
         let empty = force(&scene);
         let inset = KERNEL.hydrodynamic_shift() * H;
-        let mesh = Arc::new(Mesh::sphere(a - inset, self.nodes)?);
+        let nodes = (4.0 * PI * (a / H).powi(2) / self.node_area) as usize;
+        let mesh = Arc::new(Mesh::sphere(a - inset, nodes)?);
         let shear = VISCOSITY * velocity / CAPILLARY;
         let bending = BENDING * shear * a * a;
         let cell = Cell::new("capsule", mesh.clone())
