@@ -240,7 +240,10 @@ mod tests {
         ] {
             let share = |s: f64, tau: f64| Rim::new(s, tilt, outward).share(tau);
             let half = 0.5 * Rim::new(0.0, tilt, outward).width;
-            assert_eq!([share(BEYOND - half, 1.0), share(BEYOND + half, 1.0)], [0.0, 1.0]);
+            assert_eq!(
+                [share(BEYOND - half - 1e-9, 1.0), share(BEYOND + half + 1e-9, 1.0)],
+                [0.0, 1.0]
+            );
             assert!(share(0.2, 1.0) > share(0.15, 1.0) && share(0.2, 0.6) > share(0.2, 3.0));
         }
     }
