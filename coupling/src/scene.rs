@@ -207,13 +207,8 @@ impl Scene {
     pub fn remove_body(&mut self, id: u32) -> Result<(), SceneError> {
         let at = self.index(id)?;
         let range = self.infos[at].range.clone();
-        for a in [
-            &mut self.x,
-            &mut self.v,
-            &mut self.fluid_velocity,
-            &mut self.reference,
-            &mut self.workspace.excess,
-        ] {
+        let excess = &mut self.workspace.excess;
+        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity, &mut self.reference, excess] {
             a.x.drain(range.clone());
             a.y.drain(range.clone());
             a.z.drain(range.clone());
