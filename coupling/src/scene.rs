@@ -208,7 +208,8 @@ impl Scene {
         let at = self.index(id)?;
         let range = self.infos[at].range.clone();
         let excess = &mut self.workspace.excess;
-        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity, &mut self.reference, excess] {
+        let arrays = [&mut self.x, &mut self.v, &mut self.fluid_velocity, &mut self.reference];
+        for a in arrays.into_iter().chain([excess]) {
             a.x.drain(range.clone());
             a.y.drain(range.clone());
             a.z.drain(range.clone());
