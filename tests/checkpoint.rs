@@ -227,7 +227,7 @@ fn what_does_not_fit_is_named() -> Result<(), Box<dyn Error>> {
     assert!(matches!(refused(&flipped, overdamped)?, StateError::Damaged { .. }));
     let mut newer = saved.clone();
     newer[8] = 9;
-    assert_eq!(refused(&newer, overdamped)?, StateError::Version { found: 9, known: 1 });
+    assert_eq!(refused(&newer, overdamped)?, StateError::Version { found: 9, known: 2 });
     let error = refused(&saved, beads)?.to_string();
     assert!(error.contains("the time step") && error.contains("1e-7"), "{error}");
     let another: Build = || {
