@@ -136,7 +136,8 @@ pub trait Exchange: Any + Send {
 
     /// Adds to the bricks the forces at which the fluid moves with the surfaces of the rigid bodies, each of them moving
     /// as it is driven or by its [`crate::RigidLaw`]; sets velocities and loads of the bodies. The bricks hold the forces
-    /// of all other bodies and the velocity with half a step of these; `density` is the fluid's (kg/m3), `time_step` s.
+    /// of all other bodies and the velocity with half a step of these; `density` (kg/m3) and dynamic `viscosity` (Pa s) are the
+    /// fluid's, `time_step` s.
     ///
     /// # Errors
     /// [`ExchangeError::NoRigid`].
@@ -144,6 +145,7 @@ pub trait Exchange: Any + Send {
         &mut self,
         bodies: &mut [RigidState],
         _density: f64,
+        _viscosity: f64,
         _time_step: f64,
         _bricks: &mut Bricks,
     ) -> Result<(), ExchangeError> {

@@ -207,7 +207,13 @@ impl Scene {
     pub fn remove_body(&mut self, id: u32) -> Result<(), SceneError> {
         let at = self.index(id)?;
         let range = self.infos[at].range.clone();
-        for a in [&mut self.x, &mut self.v, &mut self.fluid_velocity, &mut self.reference] {
+        for a in [
+            &mut self.x,
+            &mut self.v,
+            &mut self.fluid_velocity,
+            &mut self.reference,
+            &mut self.workspace.excess,
+        ] {
             a.x.drain(range.clone());
             a.y.drain(range.clone());
             a.z.drain(range.clone());
@@ -238,6 +244,7 @@ impl Scene {
         self.v.resize(n);
         self.fluid_velocity.resize(n);
         self.on_fluid.resize(n);
+        self.workspace.excess.resize(n);
         self.loads.resize(n, self.infos.len());
         self.ready = false;
     }

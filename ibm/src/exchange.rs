@@ -92,8 +92,8 @@ impl DeltaExchange {
         self
     }
 
-    /// Whether the markers of rigid bodies sit inside their surface by [`Kernel::rigid_inset`], so that the body acts
-    /// as large as it is; they do by default.
+    /// Whether the markers of rigid bodies sit inside their surface by [`Kernel::rigid_inset`] and have the slip of [`Kernel::rigid_slip`],
+    /// so that the body acts as large as it is in any flow; they do by default. Else they lie on the surface and do not slip.
     pub fn with_inset(mut self, inset: bool) -> Self {
         self.inset = inset;
         self
@@ -325,10 +325,12 @@ impl Exchange for DeltaExchange {
         &mut self,
         bodies: &mut [RigidState],
         density: f64,
+        viscosity: f64,
         time_step: f64,
         bricks: &mut Bricks,
     ) -> Result<(), ExchangeError> {
-        self.rigid.hold(bodies, density, time_step, self.kernel, bricks);
+        self.rigid
+            .hold(bodies, [density, viscosity], time_step, self.kernel, bricks);
         Ok(())
     }
 

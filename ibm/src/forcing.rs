@@ -5,7 +5,9 @@
 //! `J u + dt/(2 rho h^3) J S F = U + W x r` at the markers, with interpolation `J` and spreading `S = J^T` (the velocity
 //! correction of Wu and Shu, J. Comput. Phys. 228 (2009) 1963), and Newton's law of each free body is
 //! `M U + dt sum F = P`, `I W + dt sum r x F = L` ([`lbm_ibm_coupling::RigidLaw`]). Velocities and forces are unknowns
-//! together: no mass is too small, and a body as dense as the fluid needs no care.
+//! together: no mass is too small, and a body as dense as the fluid needs no care. On the left stands a slip along the surface too,
+//! of a fraction of a spacing times the shear ([`crate::Kernel::rigid_slip`]), without which smeared markers act larger to a turn or to a curved
+//! profile than to a drag. It adds a positive diagonal to `J S`.
 //!
 //! The system is solved by conjugate gradients whose preconditioner replaces `J S` by a number and keeps Newton's law as it
 //! is (a constraint preconditioner: Keller, Gould and Wathen, SIAM J. Matrix Anal. 21 (2000) 1300). So every iterate
@@ -13,6 +15,7 @@
 //! starts from the forces of the step before. One iteration from zero forces would be direct forcing, and the steps without
 //! conjugate directions multi-direct forcing.
 
+mod body;
 mod end;
 mod state;
 mod twist;
@@ -22,32 +25,14 @@ pub(crate) use end::End;
 use crate::Kernel;
 use crate::placement::Placement;
 use crate::transfer::{self, Node};
-use lbm_ibm_coupling::nalgebra::Matrix6;
-use lbm_ibm_coupling::{Bricks, ExchangeError, Grid, ImmersedBody, RigidState, Soa3, Vec3};
-use std::f64::consts::PI;
-use std::ops::Range;
-use twist::{Twist, at, dot, generalised, norm, shell, sum, twist};
+use body::Body;
+use lbm_ibm_coupling::{Bricks, ExchangeError, Grid, ImmersedBody, RigidState, Vec3};
+use twist::{Twist, at, dot, generalised, norm, sum, twist};
 
-/// Distance of neighbouring markers, in hydrodynamic radii of one. Closer markers make the system ill-conditioned: more
-/// iterations, and with the trilinear kernel a larger drag.
-const SPACING: f64 = 1.5;
 /// Share of the slip that the forces of the step before leave which is made up for in a step. The velocity that has to be
 /// right is the one at half a step of force, so that a whole correction overshoots by as much again: alone it would ring,
 /// and with a flux control it grows. At 0.85 an isolated layer of fluid settles by a factor of 0.39 a step, the most.
 const SHARE: f64 = 0.85;
-
-/// A rigid body as the forcing keeps it.
-#[derive(Clone, Debug)]
-struct Body {
-    id: u32,
-    markers: Range<usize>,
-    /// Reference positions of the markers, m.
-    reference: Vec<Vec3>,
-    /// Inverse of the number that stands for `J S` of a smooth force: the fluid nodes that a marker moves.
-    nodes: f64,
-    /// Inverse of the matrix of the preconditioned Newton's law; none where the motion is given.
-    inverse: Option<Matrix6<f64>>,
-}
 
 /// Forces on markers and velocities of bodies, or a residual of theirs.
 #[derive(Clone, Debug, Default)]
@@ -82,6 +67,8 @@ pub(crate) struct Forcing {
     x: Vec<[f64; 3]>,
     /// Markers from the centre of their body, in grid spacings.
     arm: Vec<Vec3>,
+    /// Unit normals of the surfaces at the markers.
+    normal: Vec<Vec3>,
     placement: Placement,
     tiles: transfer::Scratch,
     sorted: Vec<[f64; 3]>,
@@ -109,38 +96,33 @@ impl Forcing {
         inset: bool,
     ) -> Result<(), ExchangeError> {
         let h = grid.spacing;
-        let mut scales = Vec::with_capacity(bodies.len());
+        let mut new = Vec::with_capacity(bodies.len());
+        let mut force = Vec::new();
         for &(id, body) in bodies {
-            scales.push(if inset { scale(id, body, h, kernel)? } else { 1.0 });
-        }
-        let spacing = SPACING * kernel.marker_radius();
-        let old = std::mem::take(&mut self.bodies);
-        let old_force = std::mem::take(&mut self.state.marker);
-        self.spacing = h;
-        for (&(id, body), scale) in bodies.iter().zip(scales) {
-            let start = self.state.marker.len();
-            let (reference, force) = match old.iter().find(|b| b.id == id) {
-                Some(b) => (b.reference.clone(), old_force[b.markers.clone()].to_vec()),
-                None => {
-                    let markers: Soa3 = body.markers(spacing * h, scale);
-                    (markers.iter().collect(), vec![Vec3::zeros(); markers.len()])
+            let start = force.len();
+            match self.bodies.iter().find(|b| b.id == id) {
+                Some(old) => {
+                    force.extend_from_slice(&self.state.marker[old.markers.clone()]);
+                    let mut kept = old.clone();
+                    kept.markers = start..force.len();
+                    new.push(kept);
                 }
-            };
-            self.state.marker.extend(force);
-            self.bodies.push(Body {
-                id,
-                markers: start..self.state.marker.len(),
-                reference,
-                nodes: spacing * spacing / kernel.sum_of_squares(),
-                inverse: None,
-            });
+                None => {
+                    new.push(Body::new(id, body, h, kernel, inset, start)?);
+                    force.resize(new[new.len() - 1].markers.end, Vec3::zeros());
+                }
+            }
         }
+        self.spacing = h;
+        self.bodies = new;
+        self.state.marker = force;
         let (markers, bodies) = (self.state.marker.len(), self.bodies.len());
         for pair in [&mut self.state, &mut self.residual, &mut self.search, &mut self.step] {
             pair.resize(markers, bodies);
         }
         self.x.resize(markers, [0.0; 3]);
         self.arm.resize(markers, Vec3::zeros());
+        self.normal.resize(markers, Vec3::zeros());
         self.product.resize(markers, Vec3::zeros());
         self.sorted.resize(markers, [0.0; 3]);
         self.placement = Placement::default();
@@ -175,8 +157,9 @@ impl Forcing {
     ) -> Result<(), ExchangeError> {
         for (body, state) in self.bodies.iter().zip(states) {
             let centre = state.pose.translation.vector;
-            for (m, p) in body.markers.clone().zip(&body.reference) {
+            for ((m, p), n) in body.markers.clone().zip(&body.reference).zip(&body.normal) {
                 let r = state.pose.rotation * p;
+                self.normal[m] = state.pose.rotation * n;
                 self.arm[m] = r / self.spacing;
                 self.x[m] = (centre + r).into();
             }
@@ -196,7 +179,14 @@ impl Forcing {
     }
 
     /// Finds the marker forces, adds them to the bricks and sets velocities and loads of the bodies.
-    pub fn hold(&mut self, states: &mut [RigidState], density: f64, dt: f64, kernel: Kernel, bricks: &mut Bricks) {
+    pub fn hold(
+        &mut self,
+        states: &mut [RigidState],
+        [density, viscosity]: [f64; 2],
+        dt: f64,
+        kernel: Kernel,
+        bricks: &mut Bricks,
+    ) {
         self.placement.order_by_slot(bricks);
         for a in 0..3 {
             self.field[a].resize(bricks.force()[a].len(), 0.0);
@@ -212,8 +202,10 @@ impl Forcing {
         for (b, state) in states.iter().enumerate() {
             self.state.body[b] = twist(state.velocity, h * state.angular_velocity);
             let body = &mut self.bodies[b];
+            body.slide(viscosity * dt / (density * h * h));
             let missing = self.residual.marker[body.markers.clone()].iter_mut();
             let arm = &self.arm[body.markers.clone()];
+            let normal = &self.normal[body.markers.clone()];
             missing.zip(arm).for_each(|(r, arm)| *r += at(&self.state.body[b], arm));
             body.inverse = state.law.as_ref().and_then(|law| {
                 let mass = law.mass / (2.0 * density * h.powi(3));
@@ -227,7 +219,7 @@ impl Forcing {
                 let own = generalised(mass, &inertia);
                 let load = sum(&self.state.marker[body.markers.clone()], arm);
                 self.residual.body[b] = added - load - own * self.state.body[b];
-                (own + body.nodes * shell(arm)).try_inverse()
+                (own + body.shell(arm, normal)).try_inverse()
             });
         }
         let scale = norm(&self.residual.marker);
@@ -290,23 +282,27 @@ impl Forcing {
     /// law.
     fn precondition(&mut self) {
         for (b, body) in self.bodies.iter().enumerate() {
-            let (residual, arm) = (
-                &self.residual.marker[body.markers.clone()],
-                &self.arm[body.markers.clone()],
-            );
+            let markers = body.markers.clone();
+            let (arm, normal) = (&self.arm[markers.clone()], &self.normal[markers.clone()]);
+            let residual = &self.residual.marker[markers.clone()];
+            let step = &mut self.step.marker[markers];
             let velocity = match &body.inverse {
-                Some(inverse) => inverse * (self.residual.body[b] - body.nodes * sum(residual, arm)),
+                Some(inverse) => {
+                    for ((z, r), n) in step.iter_mut().zip(residual).zip(normal) {
+                        *z = body.mend(r, n);
+                    }
+                    inverse * (self.residual.body[b] - sum(step, arm))
+                }
                 None => Twist::zeros(),
             };
             self.step.body[b] = velocity;
-            let step = self.step.marker[body.markers.clone()].iter_mut();
-            for ((z, r), arm) in step.zip(residual).zip(arm) {
-                *z = body.nodes * (r + at(&velocity, arm));
+            for (((z, r), n), arm) in step.iter_mut().zip(residual).zip(normal).zip(arm) {
+                *z = body.mend(&(r + at(&velocity, arm)), n);
             }
         }
     }
 
-    /// `product = J S q`, of the forces so far, or of the search direction and then less the surface's velocity in it.
+    /// `product = J S q` and the slip, of the forces so far, or of the search direction and then less the surface's velocity in it.
     fn multiply(&mut self, kernel: Kernel, of_state: bool) {
         let force = if of_state {
             &self.state.marker
@@ -324,12 +320,12 @@ impl Forcing {
         for (m, p) in self.product.iter_mut().enumerate() {
             *p = Vec3::from(self.sorted[self.placement.rank[m] as usize]);
         }
-        if of_state {
-            return;
-        }
         for (body, velocity) in self.bodies.iter().zip(&self.search.body) {
             for m in body.markers.clone() {
-                self.product[m] -= at(velocity, &self.arm[m]);
+                self.product[m] += body.slipped(&force[m], &self.normal[m]);
+                if !of_state {
+                    self.product[m] -= at(velocity, &self.arm[m]);
+                }
             }
         }
     }
@@ -356,20 +352,4 @@ impl Forcing {
         let field = bricks.force_mut();
         transfer::spread_by(kernel, &self.placement, f, &mut self.tiles, field);
     }
-}
-
-/// How much smaller than a body the surface of its markers has to be so that the body acts as large as it is: as for the
-/// sphere of its volume. The shape stays, for a spheroid tumbles in a shear flow by the aspect ratio of its markers.
-fn scale(id: u32, body: &dyn ImmersedBody, h: f64, kernel: Kernel) -> Result<f64, ExchangeError> {
-    let volume = body.rigid().map_or(0.0, |r| r.volume);
-    let radius = (0.75 * volume / PI).cbrt() / h;
-    let least = kernel.least_rigid_radius();
-    if radius < least {
-        return Err(ExchangeError::TooSmall {
-            body: id,
-            radius_in_cells: radius,
-            least,
-        });
-    }
-    Ok(1.0 - kernel.rigid_inset(radius) / radius)
 }

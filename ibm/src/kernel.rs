@@ -120,42 +120,41 @@ impl Kernel {
         }
     }
 
-    /// How much larger than its markers a rigid sphere acts, in grid spacings: `s + c / R`, `R` the radius of the markers.
-    /// The first term is [`Kernel::hydrodynamic_shift`]; the second is there because markers of a smooth shell that share a
-    /// force evenly do not move alike, and holding them together costs drag. From spheres of 2.5 to 7 spacings held in a
-    /// periodic box against Hasimoto's drag, markers 1.5 [`Kernel::marker_radius`] apart; `validate rigid_drag` holds it.
-    fn rigid_excess(self) -> [f64; 2] {
+    /// How deep the markers of a rigid body sit below its surface, and the slip length there, both in grid spacings.
+    ///
+    /// The slip is 0.4 of the shift of a sheet of markers. With that share a sphere in an unbounded Stokes flow with a Gaussian kernel needs
+    /// the same depth for its drag, torque, strain and share in a curved profile, at any radius from 3 spacings on
+    /// (`docs/work_precision.md`). The depth is that of spheres of 2 to 5.5 spacings held (Hasimoto's drag) or turned (torque
+    /// `1/(1 - phi)` at a solid fraction phi) in a periodic box; `validate rigid_drag` holds both.
+    fn rigid_layer(self) -> [f64; 2] {
         match self {
-            Self::TwoPoint => [0.300, 0.31],
-            Self::RomaThree => [0.345, 0.53],
-            Self::SplineThree => [0.3175, 0.45],
-            Self::PeskinFour => [0.4486, 0.88],
-            Self::CosineFour => [0.455, 0.86],
-            Self::SplineFour => [0.3615, 0.575],
-            Self::SmoothedFour => [0.480, 1.012],
-            Self::SixPoint => [0.5275, 1.14],
+            Self::TwoPoint => [0.148, 0.120],
+            Self::RomaThree => [0.210, 0.138],
+            Self::SplineThree => [0.1935, 0.127],
+            Self::PeskinFour => [0.272, 0.1795],
+            Self::CosineFour => [0.268, 0.182],
+            Self::SplineFour => [0.2195, 0.1445],
+            Self::SmoothedFour => [0.2895, 0.192],
+            Self::SixPoint => [0.307, 0.211],
         }
     }
 
-    /// How deep the markers of a rigid sphere of `radius` have to sit so that it acts as large as it is, both in grid
-    /// spacings: `a - R` of the root of `R + s + c/R = a`.
-    pub fn rigid_inset(self, radius: f64) -> f64 {
-        let [s, c] = self.rigid_excess();
-        let reach = radius - s;
-        radius - 0.5 * (reach + (reach * reach - 4.0 * c).max(0.0).sqrt())
+    /// How deep the markers of a rigid body have to sit so that it acts as large as it is, in grid spacings, whatever its size.
+    pub fn rigid_inset(self) -> f64 {
+        self.rigid_layer()[0]
     }
 
-    /// Radius of the smallest rigid sphere that can act as large as it is, in grid spacings. The two widest kernels need
-    /// markers at least half their support from the centre: below, at a radius of 3, they would act 2 to 3 % too small.
+    /// Slip length of the markers of a rigid body, in grid spacings: the fluid there lags along the surface by so much times the
+    /// shear. Without it a body would act larger to a flow that varies over it than to a uniform one: a sphere of 3.6 spacings with 9 % too
+    /// little torque or 3 % too much drag on a Poiseuille flow, where its drag is right.
+    pub fn rigid_slip(self) -> f64 {
+        self.rigid_layer()[1]
+    }
+
+    /// Radius of the smallest rigid sphere that can act as large as it is, within 2 %, in grid spacings: its markers are half their support
+    /// from the centre, and 1.5 spacings at least.
     pub fn least_rigid_radius(self) -> f64 {
-        let [s, c] = self.rigid_excess();
-        match self {
-            Self::SmoothedFour | Self::SixPoint => {
-                let half = 0.5 * self.support() as f64;
-                half + s + c / half
-            }
-            _ => s + 2.0 * c.sqrt(),
-        }
+        0.5 * self.support().max(3) as f64 + self.rigid_inset()
     }
 }
 

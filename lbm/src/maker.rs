@@ -5,7 +5,6 @@ use crate::faces::Faces;
 use crate::links::{Cut, Link, Links, NO_ROW, Row, Side};
 use crate::mask::Mask;
 use crate::pack::Packing;
-use crate::rim::share;
 use crate::rule::{CutLink, LinkRule, Shares};
 use crate::stencil::opposite;
 use crate::storage::Storage;
@@ -106,7 +105,7 @@ impl<'a> Maker<'a> {
         }
         for (node, i, rim) in thin {
             if let Some(far) = self.surface.in_grid(node, i) {
-                let through = share(rim, self.tau);
+                let through = rim.map_or(0.0, |rim| rim.share(self.tau));
                 let sides = [(node, i), (far, opposite(i))].map(|(node, i)| self.side(node, i, through, &mut links));
                 links.thin.push(sides);
             }

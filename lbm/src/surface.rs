@@ -2,6 +2,7 @@
 
 use crate::mask::{FACING, Mask};
 use crate::parallel;
+use crate::rim::Rim;
 use crate::stencil::{Velocities, opposite};
 use lbm_ibm_coupling::{Boundary, Grid, Vec3};
 
@@ -38,9 +39,9 @@ pub struct Meeting {
 /// Walls between nodes.
 #[derive(Default)]
 pub struct Between {
-    /// Links from a fluid node against a direction to another one, with a wall between them; or, at a distance (in spacings)
-    /// above zero, the rim of one.
-    pub thin: Vec<([usize; 3], usize, f64)>,
+    /// Links from a fluid node against a direction to another one, with a wall between them or the rim of one; those without a
+    /// rim do not pass.
+    pub thin: Vec<([usize; 3], usize, Option<Rim>)>,
     /// Links along the axes between two solid nodes, with a gap between them.
     pub closed_gaps: usize,
 }
@@ -156,11 +157,11 @@ impl Surface<'_> {
                     let solid = |n: [usize; 3]| mask.row(n[1], n[2])[n[0]];
                     match (solid(node), solid(far)) {
                         (false, false) if mask.close(far[1], far[2])[far[0]] => {
-                            let rim = match self.is_thin(walls, node, far, i) {
-                                true => Some(0.0),
-                                false => self.rim(walls, node, far, i),
-                            };
-                            part.thin.extend(rim.map(|rim| (node, i, rim)));
+                            let cut = self.thin_cut(walls, node, far, i);
+                            let rim = self.rim(walls, node, far, i, cut);
+                            if cut.is_some() || rim.is_some() {
+                                part.thin.push((node, i, rim));
+                            }
                         }
                         (true, true) if i < 7 && self.is_closed_gap(walls, node, far, i) => part.closed_gaps += 1,
                         _ => {}
@@ -176,32 +177,41 @@ impl Surface<'_> {
         found
     }
 
-    /// Whether a link between two fluid nodes meets walls that turn their backs on each other, or is deep in a wall on its way.
-    fn is_thin(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> bool {
+    /// Where a link between two fluid nodes, taken from each end, meets walls that turn their backs on each other, or is deep in a wall on
+    /// its way: fractions of its length.
+    fn thin_cut(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> Option<[f64; 2]> {
         let cut = |node, i| {
             let (a, b) = self.ends(node, i);
             let s = walls.cut(a, b, self.t)?;
             Some((s, walls.probe(a + (b - a) * (s - BEFORE).max(0.0), self.t).normal))
         };
-        let (Some((first, near)), Some((last, beyond))) = (cut(node, i), cut(far, opposite(i))) else {
-            return false;
-        };
-        if beyond.dot(&near) < BACK_TO_BACK {
-            return true;
-        }
+        let (first, near) = cut(node, i)?;
+        let (last, beyond) = cut(far, opposite(i))?;
         let (a, b) = self.ends(node, i);
         let middle = a + (b - a) * (0.5 * (1.0 + first - last));
-        walls.probe(middle, self.t).distance < -DEEP * self.grid.spacing
+        let deep = || walls.probe(middle, self.t).distance < -DEEP * self.grid.spacing;
+        (beyond.dot(&near) < BACK_TO_BACK || deep()).then_some([first, last])
     }
 
-    /// As [`Surface::passes_rim`]; the link may leave the box by a periodic face.
-    fn rim(&self, walls: &dyn Boundary, node: [usize; 3], far: [usize; 3], i: usize) -> Option<f64> {
-        let (a, b) = self.ends(node, i);
-        let found = self.passes_rim(walls, a, b);
-        let (home, start) = self.ends(far, opposite(i));
-        match home == b {
+    /// The rim of a thin wall near which the link passes or is cut; the link may leave the box by a periodic face.
+    fn rim(
+        &self,
+        walls: &dyn Boundary,
+        node: [usize; 3],
+        far: [usize; 3],
+        i: usize,
+        cut: Option<[f64; 2]>,
+    ) -> Option<Rim> {
+        let find = |(a, b), side: usize| match cut {
+            Some(cut) => self.is_cut_at_rim(walls, a, b, cut[side]),
+            None => self.passes_rim(walls, a, b),
+        };
+        let ends = self.ends(node, i);
+        let found = find(ends, 0);
+        let back = self.ends(far, opposite(i));
+        match back.0 == ends.1 {
             true => found,
-            false => found.or_else(|| self.passes_rim(walls, start, home)),
+            false => found.or_else(|| find(back, 1)),
         }
     }
 

@@ -137,12 +137,13 @@ impl Exchange for Clocked {
         &mut self,
         bodies: &mut [RigidState],
         density: f64,
+        viscosity: f64,
         time_step: f64,
         bricks: &mut Bricks,
     ) -> Result<(), ExchangeError> {
         let Self(exchange, tally) = self;
         Tally::timed(&tally.holding_ns, || {
-            exchange.hold_rigid(bodies, density, time_step, bricks)
+            exchange.hold_rigid(bodies, density, viscosity, time_step, bricks)
         })
     }
 }

@@ -306,11 +306,12 @@ const PLACED: [Placed; 5] = [
     (Kernel::PeskinFour, [0.13, 0.29, 0.41]),
 ];
 
-/// A free sphere on the axis of a tube: its velocity within 1 %, the extra pressure drop within 3 %.
+/// A free sphere on the axis of a tube: its velocity within 1 %, the extra pressure drop within 3 %, the least sphere wherever it and the tube lie
+/// on the grid.
 ///
 /// The extra pressure goes with the fifth power of the sphere's radius, so that 3 % of it are 0.6 % of the radius. On the axis there is neither
-/// slip nor strain, and what is left is the curvature of the profile. The depth of the markers is that with which the drag is right; a smeared shell may
-/// look larger to a flow that varies over the sphere. The other kernels and places of the least sphere are reported.
+/// slip nor strain, and what is left is the curvature of the profile: it shows whether markers that are right for a drag are right for that too.
+/// Other kernels are reported.
 pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
     let mut findings = Findings::of(table.name());
     let cells = 12.0;
@@ -349,10 +350,10 @@ pub fn rigid_sphere_tube(table: &Table, effort: Effort) -> Outcome {
         let extra = (force - 8.0 * VISCOSITY * mean / tube_radius.powi(2)) * length * tube_radius / (VISCOSITY * mean);
         findings.report("tube's radius over its own", tube_radius / (cells * H), 1.0, 1.0);
         findings.check("U_over_Umean", speed / mean, *velocity, 0.01);
-        if *placed != usual {
-            findings.report("dP_extra_R_over_muU", extra, *pressure, *pressure);
-        } else {
+        if placed.0 == KERNEL {
             findings.check("dP_extra_R_over_muU", extra, *pressure, 0.03);
+        } else {
+            findings.report("dP_extra_R_over_muU", extra, *pressure, *pressure);
         }
     }
     Ok(findings)

@@ -4,6 +4,10 @@
 //! `M = 3/2 dt/(rho h^3) J S`, interpolation `J` after spreading `S`: the force of a step counts whole in the momentum and
 //! half again in the velocity that moves the nodes. Viscosity leaves less of it where forces are rough, so that `M` errs on
 //! the stable side: the limit of infinite stiffness is stable while `M` is more than half of the truth.
+//!
+//! Where a membrane is in balance with the flow `U0` undoes the true answer to the forces, not `M F`, and what is left of it, times `dt K`, would
+//! weaken the membrane by a share that does not vanish with time. So `U0` counts what the true velocity of the steps before was above
+//! the one reckoned with, as a mean that forgets in ten steps: too slow to touch the stability of the stiffest motion.
 
 use super::step::internal_forces;
 use super::{Fluid, Scene, Slot};
@@ -34,13 +38,19 @@ impl Elasticity {
     };
 }
 
+/// Share of the last step in what the true velocity was above that reckoned with.
+const LEARNT: f64 = 0.1;
+
 /// Arrays of the solution, kept between steps.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     /// Internal forces at the start of the step.
     rest: Soa3,
     moved: Soa3,
+    /// The velocity that the forces of the step are to make.
     velocity: Soa3,
+    /// What the true one of the steps before was above that, `U0 + M F`.
+    pub excess: Soa3,
     residual: Soa3,
     swept: Soa3,
     search: Soa3,
@@ -158,6 +168,7 @@ impl Scene {
             time_step: dt,
         };
         operators.carried(&mut w.velocity);
+        add(&mut w.velocity, 1.0, &w.excess);
         zip3(&mut w.moved, [self.x.view(), self.x.view()], |_, [x, _]| x);
         operators.forces(&w.moved, &mut w.rest);
         w.solve(&mut operators, tolerance, iterations, &mut self.on_fluid);
@@ -166,6 +177,13 @@ impl Scene {
 }
 
 impl Workspace {
+    /// Takes the true velocity of the nodes that the forces of the step have made.
+    pub fn learn(&mut self, truth: Soa3Ref<'_>) {
+        zip3(&mut self.excess, [truth, self.velocity.view()], |e, [u, v]| {
+            e + LEARNT * (u - v)
+        });
+    }
+
     /// Conjugate gradients from the explicit forces.
     fn solve(&mut self, of: &mut Operators<'_>, tolerance: f64, iterations: usize, force: &mut Soa3) {
         self.taken = (0, 0.0);
@@ -207,6 +225,7 @@ impl Workspace {
             }
             let along = now / curvature;
             add(force, along, &self.search);
+            add(&mut self.velocity, along, &self.swept_search);
             add(&mut self.residual, -along, &self.product);
             add(&mut self.swept, -along, &self.swept_product);
             let next = dot(&self.residual, &self.swept);

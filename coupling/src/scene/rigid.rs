@@ -21,7 +21,9 @@ impl Fluid {
         }
         // What the fluid does without them: under all other forces.
         self.lattice.read_velocity(&mut self.bricks);
-        self.exchange.hold_rigid(bodies, density, dt, &mut self.bricks)?;
+        let viscosity = self.lattice.viscosity();
+        self.exchange
+            .hold_rigid(bodies, density, viscosity, dt, &mut self.bricks)?;
         Ok(())
     }
 }

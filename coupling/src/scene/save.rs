@@ -4,13 +4,13 @@
 //! positions and velocities of nodes, rigid bodies, and what exchange, bodies and force fields remember. Walls, laws, meshes and
 //! numbers come from building the scene again.
 
-use super::Scene;
+use super::{Elasticity, Scene};
 use crate::state::{checksum, differs};
 use crate::{SceneError, StateError, StateReader, StateWriter, Wrench};
 
 /// What a saved scene starts with, and the version of the format.
 const MARK: [u8; 8] = *b"lbmscene";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 
 impl Scene {
     /// The state as bytes, for [`Scene::restore`] of a scene that is built alike: it goes on as this one does, to the last bit,
@@ -40,6 +40,9 @@ impl Scene {
         to.count(u64::from(self.ready));
         for array in [&self.x, &self.v, &self.fluid_velocity, &self.on_fluid, &self.loads.node] {
             to.array(array.view());
+        }
+        if self.elasticity != Elasticity::Explicit {
+            to.array(self.workspace.excess.view());
         }
         for load in &self.loads.body {
             to.vector(load.force);
@@ -95,6 +98,9 @@ impl Scene {
             &mut self.loads.node,
         ] {
             from.array(array)?;
+        }
+        if self.elasticity != Elasticity::Explicit {
+            from.array(&mut self.workspace.excess)?;
         }
         for load in &mut self.loads.body {
             *load = Wrench {

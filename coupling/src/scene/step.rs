@@ -1,6 +1,6 @@
 //! One time step.
 
-use super::{Scene, Slot, motion, rigid};
+use super::{Elasticity, Scene, Slot, motion, rigid};
 use crate::threads::join;
 use crate::{BodyInfo, Motion, SceneError, Soa3Mut, Soa3Ref, View};
 
@@ -56,6 +56,9 @@ impl Scene {
                 fluid
                     .exchange
                     .interpolate(&fluid.bricks, self.fluid_velocity.view_mut());
+                if self.elasticity != Elasticity::Explicit {
+                    self.workspace.learn(self.fluid_velocity.view());
+                }
             }
         }
         motion::advance(

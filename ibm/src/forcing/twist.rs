@@ -31,23 +31,6 @@ pub(super) fn sum(force: &[Vec3], arm: &[Vec3]) -> Twist {
     twist(total, torque)
 }
 
-/// What `sum` gives of a rigid motion's velocities.
-pub(super) fn shell(arm: &[Vec3]) -> Matrix6<f64> {
-    let mut columns = Matrix6::zeros();
-    for a in 0..6 {
-        let mut unit = Twist::zeros();
-        unit[a] = 1.0;
-        let (mut total, mut torque) = (Vec3::zeros(), Vec3::zeros());
-        for r in arm {
-            let v = at(&unit, r);
-            total += v;
-            torque += r.cross(&v);
-        }
-        columns.set_column(a, &twist(total, torque));
-    }
-    columns
-}
-
 pub(super) fn generalised(mass: f64, inertia: &Matrix3<f64>) -> Matrix6<f64> {
     let mut out = Matrix6::zeros();
     out.fixed_view_mut::<3, 3>(0, 0)
