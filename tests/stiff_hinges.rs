@@ -105,11 +105,20 @@ fn hinges_are_stable_to_the_limit_and_hardly_beyond() -> Result<(), Box<dyn Erro
         // Here the limit goes as one over the root of the stiffness.
         let stiffness = any * (case.limit(any)? / dt).powi(2);
         let ratio = case.limit(stiffness)? / dt;
-        assert!((ratio - 1.0).abs() < 0.01, "{nodes} nodes, {kernel:?}, tau {tau}: {ratio}");
+        assert!(
+            (ratio - 1.0).abs() < 0.01,
+            "{nodes} nodes, {kernel:?}, tau {tau}: {ratio}"
+        );
         let away = case.strays(stiffness)?;
-        assert!(away < 5e-5 * H, "{nodes} nodes, {kernel:?}, tau {tau}: stable to {away:e} m");
+        assert!(
+            away < 5e-5 * H,
+            "{nodes} nodes, {kernel:?}, tau {tau}: stable to {away:e} m"
+        );
         let away = case.strays(stiffness * 1.5_f64.powi(2))?;
-        assert!(away > 1e-3 * H, "{nodes} nodes, {kernel:?}, tau {tau}: still stable beyond, {away:e} m");
+        assert!(
+            away > 1e-3 * H,
+            "{nodes} nodes, {kernel:?}, tau {tau}: still stable beyond, {away:e} m"
+        );
     }
     Ok(())
 }
