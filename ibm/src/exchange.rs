@@ -1,7 +1,9 @@
 //! [`DeltaExchange`], the exchange by delta kernels.
 
 mod gaps;
+mod limit;
 
+use self::limit::with_slip;
 use crate::forcing::{End, Forcing};
 use crate::inset::Inset;
 use crate::kernel::Kernel;
@@ -397,27 +399,36 @@ impl Exchange for DeltaExchange {
         self.rigid.layer(body, density)
     }
 
-    /// Three quarters of the lesser of two limits. The viscous one is `2 / lambda`, `lambda` the largest eigenvalue of
+    /// The least of the limits of its terms, less a margin. The viscous one is `2 / lambda`, `lambda` the largest eigenvalue of
     /// mobility times stiffness by power iteration; the mobility of nodes carried by the fluid is that of Rotne, Prager and
-    /// Yamakawa, for spheres as mobile as the markers of a node, and their slip; that of the others is one over their friction. The
-    /// inertial one is `2 / omega`, `omega` the frequency at which the body breathes with the mass of fluid that its nodes
+    /// Yamakawa, for spheres as mobile as the markers of a node; that of the others is one over their friction. In steps beyond
+    /// `rho h^2/(6 mu)`, a relaxation time of one, a lattice no longer takes viscosity into account within a step: then the fluid
+    /// is asked for no more than its mass within the reach of the kernel, `dt^2 = 2 / lambda`, `lambda` the largest eigenvalue of `J S K/(rho h^3)`.
+    /// What nodes slip adds to the motion in both. The inertial one is `2 / omega`, `omega` the frequency at which the body breathes with the mass of fluid that its nodes
     /// move within a step: their share of the surface times the thickness of the kernel, `h / sum phi^2`. It binds where a
     /// volume law is stiffer than the fluid is compressible.
     fn stable_step(&self, body: &mut dyn ImmersedBody, x: Soa3Ref<'_>, viscosity: f64, density: f64) -> Option<f64> {
         if body.motion() == Motion::Rigid {
             return None;
         }
-        let spacing = self.grid.as_ref()?.spacing;
+        let grid = self.grid.as_ref()?;
+        let spacing = grid.spacing;
         let edges = edges(body.triangles());
         let division = self.markers.division_at_rest(longest_edge(x, &edges).0, spacing);
         let markers = Subdivision::of_surface(body.reference(), body.triangles(), &edges, division);
         let table = Table::new(x.len(), std::iter::once((0..x.len(), &markers)));
         let radius = node_radius(&table, x, self.kernel.marker_radius() * spacing);
         let probe = 1e-5 * spacing;
-        let ease = self.elastic_slip.as_ref().map_or(0.0, |_| self.slip_ease(spacing));
-        let viscous = stable_step(body, x, radius, viscosity, probe, ease);
+        let slip = self.slip_step(body, x, probe);
+        let mut carried = stable_step(body, x, radius, viscosity, probe).map(|step| with_slip(step, slip, 0.0));
+        let implicit = density * spacing * spacing / (6.0 * viscosity);
+        if body.motion() == Motion::Advected && carried.is_some_and(|step| step > implicit) {
+            let on_grid = self.step_on_grid(body, x, density, grid, probe);
+            let on_grid = on_grid.map(|step| with_slip(f64::INFINITY, slip, 1.0 / (step * step)).max(implicit));
+            carried = [carried, on_grid].into_iter().flatten().reduce(f64::min);
+        }
         let layer = density * spacing / self.kernel.sum_of_squares();
-        [viscous, inertial_step(body, x, layer, probe)]
+        [carried, inertial_step(body, x, layer, probe)]
             .into_iter()
             .flatten()
             .reduce(f64::min)

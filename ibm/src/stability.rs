@@ -1,6 +1,5 @@
 //! The longest stable explicit time step of a body, from its own stiffness and its mobility in the fluid.
 
-use crate::slip;
 use crate::table::{Scratch, Table};
 use lbm_ibm_coupling::{ImmersedBody, Motion, Soa3, Soa3Ref, Vec3, surface_area};
 use std::f64::consts::PI;
@@ -18,8 +17,8 @@ const CHANGE: f64 = 1e-3;
 const SAMPLES: usize = 12;
 
 /// Longest stable step (s) of `body` with nodes at `x` (m): nodes of hydrodynamic radius `radius` (m) in a fluid of
-/// dynamic `viscosity` (Pa s); displacements of `probe` (m) feel the stiffness; the nodes of a surface slip by `ease` (m/(Pa s))
-/// times the tangential force on their area. None for a body that does not move or has no stiffness.
+/// dynamic `viscosity` (Pa s); displacements of `probe` (m) feel the stiffness. None for a body that does not move or has
+/// no stiffness.
 ///
 /// With the stiffness `K = -dF/dx` and the mobility `M`, explicit steps `dx = dt M F` are stable to `dt = 2 / lambda`,
 /// `lambda` the largest eigenvalue of `M K`. `M` is that of Rotne, Prager and Yamakawa for nodes carried by the fluid,
@@ -31,18 +30,9 @@ pub(crate) fn stable_step(
     radius: f64,
     viscosity: f64,
     probe: f64,
-    ease: f64,
 ) -> Option<f64> {
     let step = match body.motion() {
-        Motion::Advected => {
-            let triangles = body.triangles().to_vec();
-            let mobility = |f: &Soa3| {
-                let carried = rpy(x, f, radius, viscosity);
-                let slip = slip::velocities(x, &triangles, f, ease);
-                carried.iter().zip(slip).map(|(u, s)| u + s).collect()
-            };
-            CARRIED * 2.0 / largest_rate(body, x, probe, mobility)?
-        }
+        Motion::Advected => CARRIED * 2.0 / largest_rate(body, x, probe, |f| rpy(x, f, radius, viscosity))?,
         Motion::Overdamped { friction } => SAFETY * 2.0 * friction / largest_rate(body, x, probe, Soa3::clone)?,
         Motion::Newton { node_mass, friction } => {
             let k = largest_rate(body, x, probe, Soa3::clone).unwrap_or(0.0);

@@ -83,7 +83,7 @@ fn two_nodes_and_a_spring() {
     // Relative motion along the line of centres.
     let mobility = (1.0 - 1.5 * a / r + (a / r).powi(3)) / (6.0 * PI * mu * a);
     assert_relative_eq!(rate, 2.0 * body.stiffness * mobility, max_relative = 1e-6);
-    let dt = stable_step(&mut body, x.view(), a, mu, 1e-5, 0.0).expect("a stiff body");
+    let dt = stable_step(&mut body, x.view(), a, mu, 1e-5).expect("a stiff body");
     assert_relative_eq!(dt, CARRIED * 2.0 / rate, max_relative = 1e-6);
 }
 
@@ -93,28 +93,28 @@ fn other_motions() {
     let mut body = pair(r, Motion::Overdamped { friction: xi });
     let x = body.x.clone();
     let k = 2.0 * body.stiffness;
-    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5, 0.0).expect("a stiff body");
+    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5).expect("a stiff body");
     assert_relative_eq!(dt, SAFETY * 2.0 * xi / k, max_relative = 1e-6);
     body.motion = Motion::Newton {
         node_mass: m,
         friction: xi,
     };
-    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5, 0.0).expect("a stiff body") / SAFETY;
+    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5).expect("a stiff body") / SAFETY;
     assert_relative_eq!(k * dt * dt + 2.0 * xi * dt, 4.0 * m, max_relative = 1e-6);
     body.stiffness = 0.0;
-    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5, 0.0).expect("friction alone") / SAFETY;
+    let dt = stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5).expect("friction alone") / SAFETY;
     assert_relative_eq!(dt, 2.0 * m / xi, max_relative = 1e-12);
     body.motion = Motion::Frozen;
-    assert_eq!(stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5, 0.0), None);
+    assert_eq!(stable_step(&mut body, x.view(), 0.1, 1.0, 1e-5), None);
 }
 
 #[test]
 fn a_stiff_body_has_a_limit_in_proportion() {
     let mut sheet = Net::sheet(6, 1.0);
     let x = sheet.x.clone();
-    let limit = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5, 0.0).expect("a stiff body");
+    let limit = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5).expect("a stiff body");
     sheet.stiffness *= 1e16;
-    let stiff = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5, 0.0).expect("a stiffer body");
+    let stiff = stable_step(&mut sheet, x.view(), 0.6, 1.0, 1e-5).expect("a stiffer body");
     assert_relative_eq!(1e16 * stiff, limit, max_relative = 1e-6);
 }
 
@@ -148,7 +148,7 @@ fn explicit_steps_grow_above_the_limit_alone() {
     let (a, mu) = (0.6, 1.0);
     let mut sheet = Net::sheet(6, 1.0);
     let x = sheet.x.clone();
-    let limit = stable_step(&mut sheet, x.view(), a, mu, 1e-5, 0.0).expect("a stiff body") / CARRIED;
+    let limit = stable_step(&mut sheet, x.view(), a, mu, 1e-5).expect("a stiff body") / CARRIED;
     assert!(growth(&mut sheet, 0.97 * limit, a, mu) < 2.0);
     assert!(growth(&mut sheet, 1.05 * limit, a, mu) > 100.0);
 }

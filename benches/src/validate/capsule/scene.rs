@@ -112,7 +112,8 @@ impl Capsule {
         let middle = Vec3::from(shape.map(|n| 0.5 * n as f64 * H));
         let half = 0.5 * y as f64 * H;
         fluid.set_velocity(|x| Vec3::x() * (rate * (x.y - middle.y)));
-        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(self.kernel).with_elastic_slip(self.slip)).with_guard(guard());
+        let mut scene =
+            Scene::with_fluid(fluid, DeltaExchange::new(self.kernel).with_elastic_slip(self.slip)).with_guard(guard());
         let walls = Union::new()
             .with(Plane::new(Vec3::y() * (middle.y - half), Vec3::y()).with_velocity(-Vec3::x() * (rate * half)))
             .with(Plane::new(Vec3::y() * (middle.y + half), -Vec3::y()).with_velocity(Vec3::x() * (rate * half)));
