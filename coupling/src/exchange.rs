@@ -102,6 +102,9 @@ pub trait Exchange: Any + Send {
     /// [`ExchangeError::GridTooSmall`].
     fn set_bodies(&mut self, bodies: &[BodyInfo], reference: Soa3Ref<'_>, grid: &Grid) -> Result<(), ExchangeError>;
 
+    /// Takes the dynamic viscosity (Pa s) of the fluid, before [`Exchange::set_bodies`]. By default it is of no use.
+    fn set_viscosity(&mut self, _viscosity: f64) {}
+
     /// Moves the markers to node positions `x` (m, unwrapped) and takes the bricks they touch into use.
     ///
     /// # Errors

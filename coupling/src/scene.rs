@@ -249,6 +249,7 @@ impl Scene {
         let Some(fluid) = &mut self.fluid else {
             return Ok(());
         };
+        fluid.exchange.set_viscosity(fluid.lattice.viscosity());
         fluid
             .exchange
             .set_bodies(&self.infos, self.reference.view(), fluid.lattice.grid())?;

@@ -19,6 +19,7 @@ mod inset;
 mod kernel;
 mod placement;
 mod rigid;
+mod slip;
 mod stability;
 pub mod stokes;
 mod subdivision;

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// Pieces that are asked for before one is read. Rows of bricks are short and far apart, so that the processor would not
 /// fetch the next ones by itself.
-const AHEAD: usize = 4;
+const AHEAD: usize = 8;
 
 /// The velocity of the rows in use of some slots.
 pub struct ReadBricks<'a> {
@@ -166,8 +166,13 @@ impl ReadBricks<'_> {
         links.pointers(piece.run, self.fluid.odd, storage, places);
         let bytes = storage.precision().bytes();
         for place in &places[..storage.velocities().q()] {
-            prefetch(place.wrapping_add(piece.start * bytes));
-            prefetch(place.wrapping_add((piece.start + piece.len - 1) * bytes));
+            let (first, last) = (piece.start * bytes, (piece.start + piece.len - 1) * bytes);
+            let first = place.wrapping_add(first);
+            prefetch(first);
+            let last = place.wrapping_add(last);
+            if (first as usize ^ last as usize) & !63 != 0 {
+                prefetch(last);
+            }
         }
     }
 

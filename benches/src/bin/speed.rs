@@ -147,7 +147,7 @@ fn main() -> Result<(), Fault> {
             let speed = on_threads(timing.threads, || cells(&crowd, timing.threads, timing.seconds))?;
             show(&[speed], timing.json.as_deref(), |s: &Cells| {
                 format!(
-                    "{} spheres, {} nodes, {}, {} threads: {:.3} ms a step, best {:.3} (bare fluid {:.3}, {:.3}); {:.3} us a node, best {:.3}: forces {:.3}, place {:.3}, spread {:.3}, read {:.3}, interpolate {:.3}; in the step {:.3}",
+                    "{} spheres, {} nodes, {}, {} threads: {:.3} ms a step, best {:.3} (bare fluid {:.3}, {:.3}), in the step {:.3} us a node; {:.3} rows a node; in turn {}; by themselves {}",
                     s.count,
                     s.nodes,
                     s.kernel,
@@ -156,14 +156,10 @@ fn main() -> Result<(), Fault> {
                     s.best_ms_per_step,
                     s.fluid_ms_per_step,
                     s.best_fluid_ms_per_step,
-                    s.us_per_node,
-                    s.best_us_per_node,
-                    s.forces,
-                    s.place,
-                    s.spread,
-                    s.read,
-                    s.interpolate,
-                    s.best_us_per_node_in_step
+                    s.best_us_per_node_in_step,
+                    s.rows_per_node,
+                    s.in_turn,
+                    s.parts
                 )
             })
         }

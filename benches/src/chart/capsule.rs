@@ -32,6 +32,7 @@ fn base(radius: f64) -> Capsule {
         strain_per_step: STEP,
         kernel,
         inset: kernel.hydrodynamic_shift(),
+        slip: false,
         ..capsule(Material::NeoHookean, CAPILLARY, 1.0, radius, BOXES[0])
     }
 }
@@ -41,6 +42,16 @@ fn with_kernel(kernel: Kernel, radius: f64) -> Capsule {
     Capsule {
         kernel,
         inset: kernel.hydrodynamic_shift(),
+        ..base(radius)
+    }
+}
+
+/// With nodes on the surface that slip.
+fn slipping(kernel: Kernel, radius: f64) -> Capsule {
+    Capsule {
+        kernel,
+        inset: 0.0,
+        slip: true,
         ..base(radius)
     }
 }
@@ -69,6 +80,8 @@ const CURVES: &[Curve] = &[
         inset: 0.0,
         ..base(r)
     }),
+    ("Roma, slip", &[4.0, 6.0, 8.0], |r| slipping(Kernel::RomaThree, r)),
+    ("2 points, slip", &[4.0, 6.0], |r| slipping(Kernel::TwoPoint, r)),
     ("162 nodes", &[4.0, 6.0], |r| Capsule { nodes: 162, ..base(r) }),
     ("2562 nodes", &[4.0, 6.0], |r| Capsule { nodes: 2562, ..base(r) }),
     ("tau 1", &[4.0, 6.0], |r| Capsule { tau: 1.0, ..base(r) }),

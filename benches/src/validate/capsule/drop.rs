@@ -83,6 +83,7 @@ impl Job {
             kernel: Kernel::TwoPoint,
             // Tension acts along the normal alone, so that the tangential velocity has no kink for the kernel to blunt.
             inset: 0.0,
+            slip: false,
             ..if self.ratio < 1.0 { thin } else { usual }
         };
         let mut sheared = capsule.sheared()?;

@@ -52,6 +52,8 @@ pub struct Capsule {
     pub kernel: Kernel,
     /// How far the nodes lie inside the surface that they stand for, in grid spacings.
     pub inset: f64,
+    /// Whether the nodes slip by what the kernel takes off the kink of the velocity.
+    pub slip: bool,
     /// Whether its volume is held.
     pub holds_volume: bool,
     /// How its forces follow the motion within a step.
@@ -110,7 +112,8 @@ impl Capsule {
         let middle = Vec3::from(shape.map(|n| 0.5 * n as f64 * H));
         let half = 0.5 * y as f64 * H;
         fluid.set_velocity(|x| Vec3::x() * (rate * (x.y - middle.y)));
-        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(self.kernel)).with_guard(guard());
+        let mut scene =
+            Scene::with_fluid(fluid, DeltaExchange::new(self.kernel).with_elastic_slip(self.slip)).with_guard(guard());
         let walls = Union::new()
             .with(Plane::new(Vec3::y() * (middle.y - half), Vec3::y()).with_velocity(-Vec3::x() * (rate * half)))
             .with(Plane::new(Vec3::y() * (middle.y + half), -Vec3::y()).with_velocity(Vec3::x() * (rate * half)));
