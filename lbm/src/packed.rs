@@ -12,10 +12,13 @@
 
 use crate::collide::Places;
 use crate::element::Precision;
-use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE};
+use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE, block_lanes};
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
+
+/// How many batches before its own a batch is asked for.
+const EARLY: usize = 2;
 
 /// Numbers and places of packed nodes.
 pub struct Packed {
@@ -41,12 +44,9 @@ pub struct Packed {
     pub links: usize,
 }
 
-/// Lanes of a block: those of a vector of 512 bits, of numbers that are computed in.
+/// Lanes of a block.
 fn lanes(precision: Precision) -> usize {
-    match precision {
-        Precision::F64 => 8,
-        Precision::F32 | Precision::F16 => 16,
-    }
+    block_lanes(precision.bytes())
 }
 
 impl Packed {
@@ -164,6 +164,7 @@ impl Packed {
         let (slots, bytes) = ((self.q - 1) * BLOCKS, lanes(self.precision) / 8);
         let others = |n: usize| self.first_other[n] as usize..self.first_other[n + 1] as usize;
         let (here, last) = (others(batch), self.batches() - 1);
+        let later = (batch + EARLY).min(last);
         Batch {
             main: Parts {
                 sources: self.sources_of(batch),
@@ -179,7 +180,8 @@ impl Packed {
             } else {
                 &[]
             },
-            early: self.sources_of((batch + 2).min(last)),
+            early: self.sources_of(later),
+            later: (later - batch) * self.batch(),
         }
     }
 
@@ -222,7 +224,7 @@ impl Packed {
     }
 
     /// The place of population 0 of the first node of a batch.
-    fn resting(&self, storage: &Storage, batch: usize) -> *mut u8 {
+    pub fn resting(&self, storage: &Storage, batch: usize) -> *mut u8 {
         let number = storage.arrays()[0] + batch * self.batch();
         storage.data().wrapping_add(number * self.precision.bytes())
     }

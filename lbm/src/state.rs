@@ -2,7 +2,7 @@
 
 use crate::collide::{Places, Span};
 use crate::element::Precision;
-use crate::ferry::Buffer;
+use crate::ferry::{Buffer, Load};
 use crate::fluid::Fluid;
 use crate::kernel::Kernel;
 use crate::maker::Maker;
@@ -231,7 +231,9 @@ impl Fluid {
             let to = to.map(|t| t.wrapping_add(part.start - nodes.start));
             // SAFETY: the caller's; the buffer holds these nodes.
             unsafe {
-                packed.carry::<false>(&self.storage, self.isa, batch, &part, &mut buffer);
+                let clip = packed.clip(batch, &part);
+                let parts = packed.of(batch);
+                parts.ferry::<false>(&self.storage, self.isa, Load::Some(&clip), &mut buffer);
                 let places = packed.places(&self.storage, batch, &mut buffer);
                 self.read(&places, part.start - batch * size..part.end - batch * size, to);
             }
