@@ -3,7 +3,7 @@
 use crate::element::Element;
 use crate::ferry::{BLOCKS, Parts, STRIDE, block_lanes};
 use crate::model::Model;
-use crate::simd::{Stored, prefetch_early};
+use crate::simd::{Stored, prefetch};
 use crate::stencil::opposite;
 
 /// A whole batch of packed nodes. Of each population and block the fullest part is read and written where it stands, the others in a
@@ -63,9 +63,9 @@ where
                 }
                 // Among the loads these cost less than among the stores.
                 if part == 0 {
-                    prefetch_early(rest.wrapping_add(s.early.1));
+                    prefetch(rest.wrapping_add(s.early.1));
                     for sources in early {
-                        prefetch_early(data.wrapping_add(sources[block] as usize));
+                        prefetch(data.wrapping_add(sources[block] as usize));
                     }
                 }
                 let momentum = model.collide::<V, FORCE>(&mut f, uniform);
