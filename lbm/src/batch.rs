@@ -1,9 +1,10 @@
 //! One time step of packed nodes, batch by batch.
 
-use crate::collide::Places;
+use crate::collide::{FREE, Places, UNIFORM};
 use crate::drive::Balance;
-use crate::ferry::Buffer;
+use crate::ferry::{Buffer, Load};
 use crate::packed::Packed;
+use crate::scattered::Scattered;
 use crate::step::{Step, Work};
 use std::ops::Range;
 
@@ -18,15 +19,28 @@ impl Step<'_> {
         let size = packed.batch();
         let nodes = first * size..((first + balances.len()) * size).min(packed.nodes());
         balances.fill(Balance::default());
-        // SAFETY: as for this function.
-        unsafe { self.packed(packed, nodes, odd, |batch, balance| balances[batch - first] = balance) };
+        Buffer::lend(|buffer| {
+            // SAFETY: as for this function.
+            unsafe {
+                self.packed(packed, nodes, odd, buffer, |batch, balance| {
+                    balances[batch - first] = balance
+                })
+            }
+        });
     }
 
     /// Collides and streams a range of nodes, and tells the balance of each batch, where one is wanted.
     ///
     /// # Safety
     /// As for [`Step::batches`].
-    pub unsafe fn packed(&self, packed: &Packed, nodes: Range<usize>, odd: bool, mut tell: impl FnMut(usize, Balance)) {
+    pub unsafe fn packed(
+        &self,
+        packed: &Packed,
+        nodes: Range<usize>,
+        odd: bool,
+        buffer: &mut Buffer,
+        mut tell: impl FnMut(usize, Balance),
+    ) {
         let size = packed.batch();
         let plain = self.bricks.is_empty() && self.inside.is_empty() && self.thermal.is_none();
         if plain && !odd && !self.tally {
@@ -40,13 +54,10 @@ impl Step<'_> {
             unsafe { self.span(nodes, &work, None, &mut Balance::default()) };
             return;
         }
-        let mut buffer = Buffer::new();
         for batch in nodes.start / size..nodes.end.div_ceil(size) {
             let part = nodes.start.max(batch * size)..nodes.end.min((batch + 1) * size);
             // SAFETY: as for this function.
-            tell(batch, unsafe {
-                self.batch(packed, batch, &part, odd, plain, &mut buffer)
-            });
+            tell(batch, unsafe { self.batch(packed, batch, &part, odd, plain, buffer) });
         }
     }
 
@@ -61,10 +72,22 @@ impl Step<'_> {
         buffer: &mut Buffer,
     ) -> Balance {
         let mut balance = Balance::default();
+        if odd && plain && nodes.len() == packed.batch() {
+            // SAFETY: the places of these nodes are ours.
+            balance.momentum = unsafe { self.scattered(packed, batch, buffer) };
+            self.tally_walls(packed, batch, &mut balance);
+            return balance;
+        }
         let first = batch * packed.batch();
+        let clip = packed.clip(batch, nodes);
+        let load = if packed.holds(batch, nodes) {
+            Load::All
+        } else {
+            Load::Some(&clip)
+        };
         let places = if odd {
             // SAFETY: the places of these nodes are ours, and the kernel runs on the same instruction set.
-            unsafe { packed.carry::<false>(self.storage, self.isa, batch, nodes, buffer) };
+            unsafe { packed.of(batch).ferry::<false>(self.storage, self.isa, load, buffer) };
             packed.places(self.storage, batch, buffer)
         } else {
             packed.own(self.storage, batch)
@@ -103,18 +126,48 @@ impl Step<'_> {
         }
         if odd {
             // SAFETY: as above.
-            unsafe { packed.carry::<true>(self.storage, self.isa, batch, nodes, buffer) };
+            unsafe { packed.of(batch).ferry::<true>(self.storage, self.isa, load, buffer) };
         }
-        if self.tally {
-            let velocities = self.storage.velocities();
-            packed.for_walls(self.storage, batch, |i, place| {
-                // SAFETY: the place is that of a link of these nodes.
-                let out = unsafe { self.storage.read(place) };
-                for (sum, c) in balance.walls.iter_mut().zip(velocities.c(i)) {
-                    *sum += f64::from(c) * (2.0 * out);
-                }
-            });
-        }
+        self.tally_walls(packed, batch, &mut balance);
         balance
+    }
+
+    /// Collides a whole batch in an odd step, all nodes alike; returns as [`Kernel::collide`](crate::kernel::Kernel::collide) does.
+    ///
+    /// # Safety
+    /// As for [`Step::batches`].
+    unsafe fn scattered(&self, packed: &Packed, batch: usize, buffer: &mut Buffer) -> [f64; 3] {
+        let force = if self.uniform == [0.0; 3] { FREE } else { UNIFORM };
+        let parts = packed.of(batch);
+        // SAFETY: the places of these nodes are ours, and the kernel was built for this instruction set and precision.
+        unsafe {
+            parts.ferry::<false>(self.storage, self.isa, Load::Apart, buffer);
+            let scattered = Scattered {
+                data: self.storage.data(),
+                rest: packed.resting(self.storage, batch),
+                buffer: buffer.start(),
+                main: parts.main,
+                early: (parts.early, parts.later),
+                uniform: self.uniform,
+            };
+            let momentum = self.kernel.collide_scattered(&scattered, force, self.tally);
+            parts.ferry::<true>(self.storage, self.isa, Load::Apart, buffer);
+            momentum
+        }
+    }
+
+    /// Adds what the walls of a batch have sent back, where that is wanted.
+    fn tally_walls(&self, packed: &Packed, batch: usize, balance: &mut Balance) {
+        if !self.tally {
+            return;
+        }
+        let velocities = self.storage.velocities();
+        packed.for_walls(self.storage, batch, |i, place| {
+            // SAFETY: the place is that of a link of these nodes.
+            let out = unsafe { self.storage.read(place) };
+            for (sum, c) in balance.walls.iter_mut().zip(velocities.c(i)) {
+                *sum += f64::from(c) * (2.0 * out);
+            }
+        });
     }
 }

@@ -2,12 +2,10 @@
 
 use crate::element::Precision;
 use crate::isa::InstructionSet;
-use crate::packed::Packed;
 use crate::simd::{prefetch, prefetch_early};
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
-use std::mem::MaybeUninit;
-use std::ops::Range;
+use std::cell::RefCell;
 
 /// Blocks of a batch.
 pub const BLOCKS: usize = 8;
@@ -18,19 +16,43 @@ pub const STRIDE: usize = APART * LINE;
 /// Bytes of a block, or more.
 const LINE: usize = 64;
 
-/// The populations of a batch.
+/// Lanes of a block of numbers of so many bytes: those of a vector of 512 bits, of numbers that are computed in.
+pub const fn block_lanes(bytes: usize) -> usize {
+    if bytes == size_of::<f64>() { 8 } else { 16 }
+}
+
+/// The populations of a batch, at first zero.
 #[repr(C, align(64))]
-pub struct Buffer(MaybeUninit<[u8; MAX_Q * STRIDE]>);
+pub struct Buffer([u8; MAX_Q * STRIDE]);
 
 impl Buffer {
     pub fn new() -> Self {
-        Self(MaybeUninit::uninit())
+        Self([0; MAX_Q * STRIDE])
+    }
+
+    /// Lends a thread its own.
+    pub fn lend<R>(work: impl FnOnce(&mut Self) -> R) -> R {
+        thread_local! {
+            static OWN: RefCell<Box<Buffer>> = RefCell::new(Box::new(Buffer::new()));
+        }
+        OWN.with_borrow_mut(|buffer| work(buffer))
     }
 
     /// Its first byte.
     pub fn start(&mut self) -> *mut u8 {
-        self.0.as_mut_ptr().cast()
+        self.0.as_mut_ptr()
     }
+}
+
+/// Which parts of a batch are carried.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Load<'a> {
+    /// All, of all nodes.
+    All,
+    /// All, of some nodes: which lanes of each block.
+    Some(&'a [u16; BLOCKS]),
+    /// All but the fullest of each population and block, of all nodes.
+    Apart,
 }
 
 /// Parts of blocks whose populations stand side by side.
@@ -51,37 +73,35 @@ pub struct Batch<'a> {
     pub slots: &'a [u8],
     /// Further parts of the next batch.
     pub next: &'a [u32],
-    /// Sources of the batch after that.
+    /// Sources of a later batch, and how many nodes on that is.
     pub early: &'a [u32],
+    pub later: usize,
 }
 
-impl Packed {
-    /// Brings the populations of the `nodes` of a batch before an odd step together in a buffer, or `BACK` from there.
+impl Batch<'_> {
+    /// Brings the populations of a batch before an odd step together in a buffer, or `BACK` from there.
     ///
     /// # Safety
     /// Nobody writes them meanwhile, nor reads them on the way back. The storage is that of the nodes, and the instruction set is
     /// there.
-    pub unsafe fn carry<const BACK: bool>(
+    pub unsafe fn ferry<const BACK: bool>(
         &self,
         storage: &Storage,
         isa: InstructionSet,
-        batch: usize,
-        nodes: &Range<usize>,
+        load: Load,
         buffer: &mut Buffer,
     ) {
-        let clip = (!self.holds(batch, nodes)).then(|| self.clip(batch, nodes));
-        let (parts, clip) = (self.of(batch), clip.as_ref());
         let (data, buffer) = (storage.data(), buffer.start());
         // SAFETY: the caller's contract; places and masks are those of nodes, and buffers have this layout.
         unsafe {
-            match (isa, self.precision) {
+            match (isa, storage.precision()) {
                 #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(&parts, clip, data, buffer),
+                (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(self, load, data, buffer),
                 #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(&parts, clip, data, buffer),
-                (_, Precision::F64) => parts.carry::<Plain64, BACK>(clip, data, buffer),
-                (_, Precision::F32) => parts.carry::<Plain32, BACK>(clip, data, buffer),
-                (_, Precision::F16) => parts.carry::<Plain16, BACK>(clip, data, buffer),
+                (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(self, load, data, buffer),
+                (_, Precision::F64) => self.carry::<Plain64, BACK>(load, data, buffer),
+                (_, Precision::F32) => self.carry::<Plain32, BACK>(load, data, buffer),
+                (_, Precision::F16) => self.carry::<Plain16, BACK>(load, data, buffer),
             }
         }
     }
@@ -199,56 +219,82 @@ impl Parts<'_> {
             u16::from_le_bytes([self.masks[2 * n], self.masks[2 * n + 1]])
         }
     }
+
+    /// The same, of a part that there is.
+    ///
+    /// # Safety
+    /// There are more than `n` parts, of blocks of so many lanes.
+    #[inline(always)]
+    pub unsafe fn mask_unchecked(&self, n: usize, lanes: usize) -> u16 {
+        // SAFETY: the caller's.
+        unsafe {
+            if lanes == 8 {
+                u16::from(*self.masks.get_unchecked(n))
+            } else {
+                u16::from_le_bytes([*self.masks.get_unchecked(2 * n), *self.masks.get_unchecked(2 * n + 1)])
+            }
+        }
+    }
+}
+
+/// The place of a slot of a buffer.
+#[inline(always)]
+fn room<M: Mover>(buffer: *mut u8, slot: usize) -> *mut M::Number {
+    let bytes = M::LANES * size_of::<M::Number>();
+    let at = if bytes == LINE {
+        slot * LINE
+    } else {
+        slot / APART * STRIDE + slot % APART * bytes
+    };
+    buffer.wrapping_add(at).cast()
 }
 
 impl Batch<'_> {
-    /// See [`Packed::carry`]; of lanes that are clipped none is touched.
+    /// See [`Batch::ferry`].
     ///
     /// # Safety
     /// As there, and the instructions of the mover are there.
     #[inline(always)]
-    unsafe fn carry<M: Mover, const BACK: bool>(&self, clip: Option<&[u16; BLOCKS]>, data: *mut u8, buffer: *mut u8) {
+    unsafe fn carry<M: Mover, const BACK: bool>(&self, load: Load, data: *mut u8, buffer: *mut u8) {
         // Most batches are whole.
         // SAFETY: the caller's.
         unsafe {
-            match clip {
-                None => self.carry_lanes::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
-                Some(clip) => self.carry_lanes::<M, BACK, false>(clip, data, buffer),
+            match load {
+                Load::Apart => self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
+                Load::All => {
+                    self.carry_main::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
+                    self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
+                }
+                Load::Some(clip) => {
+                    self.carry_main::<M, BACK, false>(clip, data, buffer);
+                    self.carry_others::<M, BACK, false>(clip, data, buffer);
+                }
             }
         }
     }
 
     #[inline(always)]
-    unsafe fn carry_lanes<M: Mover, const BACK: bool, const WHOLE: bool>(
+    unsafe fn carry_main<M: Mover, const BACK: bool, const WHOLE: bool>(
         &self,
         clip: &[u16; BLOCKS],
         data: *mut u8,
         buffer: *mut u8,
     ) {
         let data = data.cast::<M::Number>();
-        let clipped = |mask: u16, block: usize| if WHOLE { mask } else { mask & clip[block] };
-        let room = |slot: usize| {
-            let bytes = M::LANES * size_of::<M::Number>();
-            let at = if bytes == LINE {
-                slot * LINE
-            } else {
-                slot / APART * STRIDE + slot % APART * bytes
-            };
-            buffer.wrapping_add(at).cast::<M::Number>()
-        };
         let sources = self.main.sources.as_chunks::<BLOCKS>().0;
         let masks = M::masks(self.main.masks).as_chunks::<BLOCKS>().0;
         let early = self.early.as_chunks::<BLOCKS>().0;
         for (n, ((sources, masks), early)) in sources.iter().zip(masks).zip(early).enumerate() {
             for block in 0..BLOCKS {
-                let mask = clipped(M::mask(masks[block]), block);
+                let mask = clipped::<WHOLE>(M::mask(masks[block]), clip[block]);
                 let place = data.wrapping_add(sources[block] as usize);
+                let room = room::<M>(buffer, (n + 1) * APART + block);
                 // SAFETY: the caller's.
                 unsafe {
                     if BACK {
-                        M::take(room((n + 1) * APART + block), mask, place);
+                        M::take(room, mask, place);
                     } else {
-                        M::bring::<true>(place, mask, room((n + 1) * APART + block));
+                        M::bring::<true>(place, mask, room);
                     }
                 }
             }
@@ -258,17 +304,27 @@ impl Batch<'_> {
                 }
             }
         }
+    }
+
+    #[inline(always)]
+    unsafe fn carry_others<M: Mover, const BACK: bool, const WHOLE: bool>(
+        &self,
+        clip: &[u16; BLOCKS],
+        data: *mut u8,
+        buffer: *mut u8,
+    ) {
+        let data = data.cast::<M::Number>();
         let masks = M::masks(self.others.masks);
         for ((source, mask), slot) in self.others.sources.iter().zip(masks).zip(self.slots) {
             let slot = usize::from(*slot);
-            let mask = clipped(M::mask(*mask), slot % APART);
+            let mask = clipped::<WHOLE>(M::mask(*mask), clip[slot % APART % BLOCKS]);
             let place = data.wrapping_add(*source as usize);
             // SAFETY: the caller's.
             unsafe {
                 if BACK {
-                    M::take(room(slot), mask, place);
+                    M::take(room::<M>(buffer, slot), mask, place);
                 } else {
-                    M::bring::<false>(place, mask, room(slot));
+                    M::bring::<false>(place, mask, room::<M>(buffer, slot));
                 }
             }
         }
@@ -280,78 +336,11 @@ impl Batch<'_> {
     }
 }
 
-/// Copying by masked vectors of 512 bits.
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{BLOCKS, Batch, Mover};
-    use std::arch::x86_64::*;
-
-    macro_rules! mover {
-        (
-            $name:ident, $number:ty, $mask:ty, $lanes:tt, $carry:ident,
-            $load:ident, $load_all:ident, $store:ident, $store_all:ident
-        ) => {
-            struct $name;
-
-            impl Mover for $name {
-                type Number = $number;
-                masks!($lanes);
-
-                #[inline(always)]
-                unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
-                    // SAFETY: the caller's; other lanes are masked out, or in a buffer.
-                    unsafe {
-                        let lanes = $load(mask as $mask, from);
-                        if ALONE {
-                            $store_all(to, lanes);
-                        } else {
-                            $store(to, mask as $mask, lanes);
-                        }
-                    }
-                }
-
-                #[inline(always)]
-                unsafe fn take(from: *const $number, mask: u16, to: *mut $number) {
-                    // SAFETY: the caller's; other lanes are masked out, or in a buffer.
-                    unsafe { $store(to, mask as $mask, $load_all(from)) };
-                }
-            }
-
-            /// # Safety
-            /// As for [`Batch::carry`].
-            #[target_feature(enable = "avx512f")]
-            pub unsafe fn $carry<const BACK: bool>(
-                parts: &Batch,
-                clip: Option<&[u16; BLOCKS]>,
-                data: *mut u8,
-                buffer: *mut u8,
-            ) {
-                // SAFETY: the caller's.
-                unsafe { parts.carry::<$name, BACK>(clip, data, buffer) };
-            }
-        };
-    }
-
-    mover!(
-        Wide64,
-        f64,
-        u8,
-        8,
-        carry64,
-        _mm512_maskz_loadu_pd,
-        _mm512_loadu_pd,
-        _mm512_mask_storeu_pd,
-        _mm512_storeu_pd
-    );
-    mover!(
-        Wide32,
-        f32,
-        u16,
-        16,
-        carry32,
-        _mm512_maskz_loadu_ps,
-        _mm512_loadu_ps,
-        _mm512_mask_storeu_ps,
-        _mm512_storeu_ps
-    );
+/// The lanes that are not clipped.
+#[inline(always)]
+fn clipped<const WHOLE: bool>(mask: u16, clip: u16) -> u16 {
+    if WHOLE { mask } else { mask & clip }
 }
+
+#[cfg(target_arch = "x86_64")]
+mod wide;

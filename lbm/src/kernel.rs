@@ -4,6 +4,7 @@ use crate::collide::{FREE, PER_NODE, Span, UNIFORM, lean_span, read, span, whole
 use crate::element::{Element, Half, Precision};
 use crate::isa::InstructionSet;
 use crate::model::Model;
+use crate::scattered::{Scattered, scattered};
 #[cfg(target_arch = "x86_64")]
 use crate::simd::{F32x8, F32x16, F64x4, F64x8};
 use crate::simd::{Lanes, Stored};
@@ -18,6 +19,12 @@ pub trait Kernel: Send + Sync {
     /// # Safety
     /// As for [`span`], less the instruction set. The numbers have the precision of this kernel.
     unsafe fn collide(&self, span: &Span, force: u8, tally: bool) -> [f64; 3];
+
+    /// Collides a batch of packed nodes in an odd step under [`FREE`] or [`UNIFORM`] force; returns as [`Kernel::collide`] does.
+    ///
+    /// # Safety
+    /// As for [`scattered`], less the instruction set. The numbers have the precision of this kernel.
+    unsafe fn collide_scattered(&self, batch: &Scattered, force: u8, tally: bool) -> [f64; 3];
 
     /// Writes density (less 1) and momentum, lattice units, of the nodes of a span to `to`.
     ///
@@ -126,6 +133,19 @@ where
         }
     }
 
+    unsafe fn collide_scattered(&self, batch: &Scattered, force: u8, tally: bool) -> [f64; 3] {
+        // SAFETY: the instruction set was asked for in `build`; the rest is the caller's contract.
+        unsafe {
+            // The same arithmetic as that of the span, with a force or without.
+            let lean = LEAN && (!const { I::VECTORS && size_of::<S>() > 2 } || tally);
+            if lean || force != FREE {
+                I::scattered::<M, S, V, Q, true>(&self.model, batch)
+            } else {
+                I::scattered::<M, S, V, Q, false>(&self.model, batch)
+            }
+        }
+    }
+
     unsafe fn read(&self, span: &Span, to: [*mut f64; 4]) {
         // SAFETY: the instruction set was asked for in `build`; the rest is the caller's contract.
         unsafe { I::read::<M, S, V, Q>(span, to) }
@@ -179,6 +199,12 @@ trait Enable: Send + Sync + 'static {
     /// # Safety
     /// As for [`whole_span`].
     unsafe fn whole_span<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(model: &M, s: &Span);
+    /// # Safety
+    /// As for [`scattered`].
+    unsafe fn scattered<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: bool>(
+        model: &M,
+        s: &Scattered,
+    ) -> [f64; 3];
     /// # Safety
     /// As for [`read`].
     unsafe fn read<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize>(s: &Span, to: [*mut f64; 4]);
@@ -235,6 +261,23 @@ macro_rules! enable {
                 }
                 // SAFETY: the caller's contract.
                 unsafe { compiled::<M, S, V, Q>(model, s) }
+            }
+
+            #[inline]
+            unsafe fn scattered<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: bool>(
+                model: &M,
+                s: &Scattered,
+            ) -> [f64; 3] {
+                $(#[target_feature(enable = $features)])?
+                unsafe fn compiled<M: Model<Q>, S: Element, V: Stored<S>, const Q: usize, const FORCE: bool>(
+                    model: &M,
+                    s: &Scattered,
+                ) -> [f64; 3] {
+                    // SAFETY: the instructions are enabled, the rest is the caller's contract.
+                    unsafe { scattered::<M, S, V, Q, FORCE>(model, s) }
+                }
+                // SAFETY: the caller's contract.
+                unsafe { compiled::<M, S, V, Q, FORCE>(model, s) }
             }
 
             #[inline]

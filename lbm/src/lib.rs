@@ -48,6 +48,7 @@ mod relaxation;
 mod rim;
 mod rule;
 mod save;
+mod scattered;
 mod simd;
 mod slabs;
 mod stable;

@@ -5,17 +5,21 @@
 //! waits there. So bounce-back needs no copying: what an odd step leaves at a wall is what the even step has to find there,
 //! and the reverse.
 //!
-//! An even step is one loop over all nodes. For an odd one nodes are taken by the batch: their populations are brought together in a
-//! [`Buffer`], collide there and go back to where they came from. A batch has [`BLOCKS`] blocks of a vector each. In a block, lanes
-//! whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and mask, further
-//! ones in a list of the batch.
+//! An even step is one loop over all nodes. For an odd one nodes are taken by the batch, which has [`BLOCKS`] blocks of a vector each. In a
+//! block, lanes whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and
+//! mask, further ones in a list of the batch. The fullest ones of a whole batch are collided where they stand ([`Scattered`](crate::scattered::Scattered)),
+//! further ones are brought to a [`Buffer`] and back. Where nodes of a batch are not alike, or some are left out, all populations pass
+//! through the buffer.
 
 use crate::collide::Places;
 use crate::element::Precision;
-use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE};
+use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE, block_lanes};
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
+
+/// How many batches before its own a batch is asked for.
+const EARLY: usize = 2;
 
 /// Numbers and places of packed nodes.
 pub struct Packed {
@@ -41,12 +45,9 @@ pub struct Packed {
     pub links: usize,
 }
 
-/// Lanes of a block: those of a vector of 512 bits, of numbers that are computed in.
+/// Lanes of a block.
 fn lanes(precision: Precision) -> usize {
-    match precision {
-        Precision::F64 => 8,
-        Precision::F32 | Precision::F16 => 16,
-    }
+    block_lanes(precision.bytes())
 }
 
 impl Packed {
@@ -164,6 +165,7 @@ impl Packed {
         let (slots, bytes) = ((self.q - 1) * BLOCKS, lanes(self.precision) / 8);
         let others = |n: usize| self.first_other[n] as usize..self.first_other[n + 1] as usize;
         let (here, last) = (others(batch), self.batches() - 1);
+        let later = (batch + EARLY).min(last);
         Batch {
             main: Parts {
                 sources: self.sources_of(batch),
@@ -179,7 +181,8 @@ impl Packed {
             } else {
                 &[]
             },
-            early: self.sources_of((batch + 2).min(last)),
+            early: self.sources_of(later),
+            later: (later - batch) * self.batch(),
         }
     }
 
@@ -222,7 +225,7 @@ impl Packed {
     }
 
     /// The place of population 0 of the first node of a batch.
-    fn resting(&self, storage: &Storage, batch: usize) -> *mut u8 {
+    pub fn resting(&self, storage: &Storage, batch: usize) -> *mut u8 {
         let number = storage.arrays()[0] + batch * self.batch();
         storage.data().wrapping_add(number * self.precision.bytes())
     }

@@ -39,8 +39,8 @@ pub trait Simd: Real {
 /// A vector that is stored as elements `S`.
 ///
 /// # Safety
-/// As for [`Simd`]; the `_first` forms touch only the first `n` elements, `n` below [`Simd::LANES`]. Lanes that are not
-/// loaded are zero.
+/// As for [`Simd`]; the `_first` forms touch only the first `n` elements, `n` below [`Simd::LANES`], and lanes that are not
+/// loaded are zero; the `_lanes` forms touch only those of the mask.
 pub trait Stored<S: Element>: Simd {
     /// Reads all lanes.
     unsafe fn load(from: *const S) -> Self;
@@ -50,6 +50,37 @@ pub trait Stored<S: Element>: Simd {
     unsafe fn load_first(from: *const S, n: usize) -> Self;
     /// Writes the first `n` lanes.
     unsafe fn store_first(self, to: *mut S, n: usize);
+
+    /// Reads the lanes of a mask (bit 0 is lane 0) and leaves the others as they are; bits beyond the vector are ignored.
+    #[inline(always)]
+    unsafe fn load_lanes(self, from: *const S, mask: u16) -> Self {
+        let mut all = [S::near(0.0); MAX_LANES];
+        // SAFETY: there is room for a vector, and the lanes of the mask are valid.
+        unsafe {
+            self.store(all.as_mut_ptr());
+            for (lane, number) in all.iter_mut().enumerate().take(Self::LANES) {
+                if mask >> lane & 1 == 1 {
+                    *number = *from.wrapping_add(lane);
+                }
+            }
+            Self::load(all.as_ptr())
+        }
+    }
+
+    /// Writes the lanes of a mask; bits beyond the vector are ignored.
+    #[inline(always)]
+    unsafe fn store_lanes(self, to: *mut S, mask: u16) {
+        let mut all = [S::near(0.0); MAX_LANES];
+        // SAFETY: there is room for a vector, and the lanes of the mask are valid.
+        unsafe {
+            self.store(all.as_mut_ptr());
+            for (lane, number) in all.iter().enumerate().take(Self::LANES) {
+                if mask >> lane & 1 == 1 {
+                    *to.wrapping_add(lane) = *number;
+                }
+            }
+        }
+    }
 }
 
 /// Arithmetic of a vector by intrinsics of its width.

@@ -9,6 +9,7 @@
 //! of rows are done one after the other, each of them `t` rows behind in step `t`, and within a block the planes in turn,
 //! again each `t` planes behind.
 
+use crate::ferry::Buffer;
 use crate::packed::Packed;
 use crate::parallel;
 use crate::step::{Ahead, Step};
@@ -109,6 +110,7 @@ impl Sweep<'_> {
         let mut line = Line {
             sweep: self,
             ahead: Ahead::new(),
+            buffer: Buffer::new(),
             waiting: None,
         };
         let planes = |t: isize| region.planes(t);
@@ -132,7 +134,7 @@ impl Sweep<'_> {
 
 impl Sweep<'_> {
     /// Takes a step on packed rows that follow each other in plane `k`.
-    unsafe fn packed(&self, packed: &Packed, rows: Range<isize>, k: usize, odd: bool) {
+    unsafe fn packed(&self, packed: &Packed, rows: Range<isize>, k: usize, odd: bool, buffer: &mut Buffer) {
         let (ny, links) = (self.shape[0] as isize, self.step.links);
         let row = |j: isize| links.row_at(j.rem_euclid(ny) as usize, k);
         let (Some(first), Some(last)) = (rows.clone().find_map(row), rows.rev().find_map(row)) else {
@@ -142,7 +144,7 @@ impl Sweep<'_> {
         let nodes = number(links.rows[first].runs.start)..number(links.rows[last].runs.end);
         // SAFETY: the caller's contract.
         unsafe {
-            self.step.packed(packed, nodes.clone(), odd, |_, _| {});
+            self.step.packed(packed, nodes.clone(), odd, buffer, |_, _| {});
             links.marks.push(self.step.storage, &nodes);
         }
     }
@@ -152,6 +154,8 @@ impl Sweep<'_> {
 struct Line<'a> {
     sweep: &'a Sweep<'a>,
     ahead: Ahead,
+    /// Room for batches of packed nodes.
+    buffer: Buffer,
     /// A row and whether its step is odd.
     waiting: Option<(usize, bool)>,
 }
@@ -165,7 +169,7 @@ impl Line<'_> {
             let end = rows.start.div_euclid(ny) * ny + ny;
             for rows in [rows.start..rows.end.min(end), rows.start.max(end)..rows.end] {
                 // SAFETY: the caller's contract.
-                unsafe { self.sweep.packed(packed, rows, k, odd) };
+                unsafe { self.sweep.packed(packed, rows, k, odd, &mut self.buffer) };
             }
             return;
         }

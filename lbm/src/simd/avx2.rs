@@ -51,6 +51,26 @@ unsafe fn mask8(n: usize) -> __m256i {
     unsafe { _mm256_loadu_si256(WINDOW.as_ptr().add(8 - n).cast()) }
 }
 
+/// The four lanes of a mask.
+#[inline(always)]
+unsafe fn lanes4(mask: u16) -> __m256i {
+    // SAFETY: AVX2 is there.
+    unsafe {
+        let bits = _mm256_setr_epi64x(1, 2, 4, 8);
+        _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(mask.into()), bits), bits)
+    }
+}
+
+/// The eight lanes of a mask.
+#[inline(always)]
+unsafe fn lanes8(mask: u16) -> __m256i {
+    // SAFETY: AVX2 is there.
+    unsafe {
+        let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask.into()), bits), bits)
+    }
+}
+
 // The caller has AVX2, FMA and F16C by the contracts of [`Simd`] and [`Stored`], and pointers are valid for the lanes that
 // are touched; every SAFETY comment below says no more than that.
 impl Simd for F64x4 {
@@ -99,6 +119,20 @@ impl Stored<f64> for F64x4 {
     unsafe fn store_first(self, to: *mut f64, n: usize) {
         // SAFETY: AVX2 is there, `n` numbers are valid and the others are masked out.
         unsafe { _mm256_maskstore_pd(to, mask4(n), self.0) }
+    }
+    #[inline(always)]
+    unsafe fn load_lanes(self, from: *const f64, mask: u16) -> Self {
+        // SAFETY: AVX2 is there, the numbers of the mask are valid.
+        unsafe {
+            let lanes = lanes4(mask);
+            let loaded = _mm256_maskload_pd(from, lanes);
+            Self(_mm256_blendv_pd(self.0, loaded, _mm256_castsi256_pd(lanes)))
+        }
+    }
+    #[inline(always)]
+    unsafe fn store_lanes(self, to: *mut f64, mask: u16) {
+        // SAFETY: AVX2 is there, the numbers of the mask are valid.
+        unsafe { _mm256_maskstore_pd(to, lanes4(mask), self.0) }
     }
 }
 
@@ -155,6 +189,20 @@ impl Stored<f32> for F32x8 {
     unsafe fn store_first(self, to: *mut f32, n: usize) {
         // SAFETY: AVX2 is there, `n` numbers are valid and the others are masked out.
         unsafe { _mm256_maskstore_ps(to, mask8(n), self.0) }
+    }
+    #[inline(always)]
+    unsafe fn load_lanes(self, from: *const f32, mask: u16) -> Self {
+        // SAFETY: AVX2 is there, the numbers of the mask are valid.
+        unsafe {
+            let lanes = lanes8(mask);
+            let loaded = _mm256_maskload_ps(from, lanes);
+            Self(_mm256_blendv_ps(self.0, loaded, _mm256_castsi256_ps(lanes)))
+        }
+    }
+    #[inline(always)]
+    unsafe fn store_lanes(self, to: *mut f32, mask: u16) {
+        // SAFETY: AVX2 is there, the numbers of the mask are valid.
+        unsafe { _mm256_maskstore_ps(to, lanes8(mask), self.0) }
     }
 }
 

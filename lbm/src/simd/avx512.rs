@@ -82,6 +82,16 @@ impl Stored<f64> for F64x8 {
         // SAFETY: AVX-512F is there, `n` numbers are valid and the others are masked out.
         unsafe { _mm512_mask_storeu_pd(to, (1u8 << n) - 1, self.0) }
     }
+    #[inline(always)]
+    unsafe fn load_lanes(self, from: *const f64, mask: u16) -> Self {
+        // SAFETY: AVX-512F is there, the numbers of the mask are valid.
+        Self(unsafe { _mm512_mask_loadu_pd(self.0, mask as u8, from) })
+    }
+    #[inline(always)]
+    unsafe fn store_lanes(self, to: *mut f64, mask: u16) {
+        // SAFETY: AVX-512F is there, the numbers of the mask are valid.
+        unsafe { _mm512_mask_storeu_pd(to, mask as u8, self.0) }
+    }
 }
 
 impl Simd for F32x16 {
@@ -141,6 +151,16 @@ impl Stored<f32> for F32x16 {
     unsafe fn store_first(self, to: *mut f32, n: usize) {
         // SAFETY: AVX-512F is there, `n` numbers are valid and the others are masked out.
         unsafe { _mm512_mask_storeu_ps(to, (1u16 << n) - 1, self.0) }
+    }
+    #[inline(always)]
+    unsafe fn load_lanes(self, from: *const f32, mask: u16) -> Self {
+        // SAFETY: AVX-512F is there, the numbers of the mask are valid.
+        Self(unsafe { _mm512_mask_loadu_ps(self.0, mask, from) })
+    }
+    #[inline(always)]
+    unsafe fn store_lanes(self, to: *mut f32, mask: u16) {
+        // SAFETY: AVX-512F is there, the numbers of the mask are valid.
+        unsafe { _mm512_mask_storeu_ps(to, mask, self.0) }
     }
 }
 

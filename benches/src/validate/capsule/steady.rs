@@ -93,13 +93,7 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
         // The pressure in the capsule is that of the viscosity times the rate over the capillary number, and the fluid yields
         // to it a little.
         strain_per_step: 1e-3_f64.min(0.01 * capillary),
-        tau: if ratio != 1.0 {
-            1.5
-        } else if radius > 12.0 {
-            5.0
-        } else {
-            3.0
-        },
+        tau: if ratio != 1.0 { 1.5 } else { 3.0 },
         ratio,
         // With half as many, D is 0.3 % lower at 8 spacings.
         nodes: if radius > 12.0 {
