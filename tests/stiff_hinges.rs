@@ -35,7 +35,7 @@ impl Case {
     fn exchange(&self, x: &Soa3, cell: &Cell, fluid: &Fluid) -> Result<DeltaExchange, Box<dyn Error>> {
         let info = BodyInfo {
             id: 0,
-            kind: cell.kind().to_owned().into(),
+            kind: cell.kind().to_owned(),
             range: 0..x.len(),
             triangles: cell.triangles().into(),
             motion: cell.motion(),

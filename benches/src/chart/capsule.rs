@@ -32,7 +32,6 @@ fn base(radius: f64) -> Capsule {
         strain_per_step: STEP,
         kernel,
         inset: kernel.hydrodynamic_shift(),
-        slip: false,
         ..capsule(Material::NeoHookean, CAPILLARY, 1.0, radius, BOXES[0])
     }
 }

@@ -27,7 +27,7 @@ impl DeltaExchange {
     ) -> Option<f64> {
         let info = BodyInfo {
             id: 0,
-            kind: String::new().into(),
+            kind: String::new(),
             range: 0..x.len(),
             triangles: body.triangles().into(),
             motion: body.motion(),

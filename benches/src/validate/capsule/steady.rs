@@ -81,7 +81,6 @@ pub fn unbounded(boxes: [f64; 2], values: [f64; 2]) -> [f64; 2] {
 /// A capsule of so many spacings a radius, in a box of so many radii.
 pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size: f64) -> Capsule {
     let kernel = if ratio == 1.0 { KERNEL } else { CONTRAST_KERNEL };
-    let slip = ratio == 1.0;
     Capsule {
         material,
         bending: 0.0,
@@ -104,8 +103,8 @@ pub fn capsule(material: Material, capillary: f64, ratio: f64, radius: f64, size
             1280
         },
         kernel,
-        inset: if slip { 0.0 } else { kernel.hydrodynamic_shift() },
-        slip,
+        inset: kernel.hydrodynamic_shift(),
+        slip: false,
         holds_volume: true,
         elasticity: Elasticity::Explicit,
     }

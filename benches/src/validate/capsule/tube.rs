@@ -56,7 +56,7 @@ fn tube(row: &Row, effort: Effort) -> Result<Option<Tube>, Fault> {
     let (cells, step) = match (effort.quick, is_tight) {
         (true, _) => (20.0, 0.02),
         (false, false) => (24.0, 0.02),
-        (false, true) if ratio > FOLDING => (32.0, 0.012),
+        (false, true) if ratio > FOLDING => (32.0, 0.011),
         (false, true) => (28.0, 0.015),
     };
     Ok(wanted.then_some(Tube {
