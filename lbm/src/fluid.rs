@@ -86,7 +86,6 @@ pub struct Fluid {
     /// Mass that interpolated links have gained and not given back, after the last step and the one before, lattice units.
     pub(crate) owed: [f64; 2],
     pub(crate) odd: bool,
-    /// Whether it has taken no step, nor been given a velocity; populations are zero then.
     pub(crate) at_rest: bool,
     pub(crate) steps: u64,
     /// Uniform force of the last step and of the next, lattice units.
@@ -246,9 +245,7 @@ impl Fluid {
         Ok(self)
     }
 
-    /// Changes what drives the flow, at any time. Flux control starts from the force that acted before. A fluid that has taken no step, and
-    /// whose velocity has not been set, starts from rest under any force: in a periodic box its velocity is the force times the time
-    /// over the density. To start from another velocity, set the drive first.
+    /// Changes what drives the flow, at any time. Flux control starts from the force that acted before.
     ///
     /// # Errors
     /// [`LbmError::NotFinite`]; [`LbmError::ClosedAxis`] for a flux along an axis that is not periodic;

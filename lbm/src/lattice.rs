@@ -129,7 +129,7 @@ impl Lattice for Fluid {
         let flow = self.flow.unwrap_or_else(|| {
             let momentum = self.momentum();
             let nodes = self.mask.fluid_nodes as f64;
-            let half = |a: usize| self.share_of_force() * (nodes * self.force[a][0] + self.bodies[a]);
+            let half = |a: usize| 0.5 * (nodes * self.force[a][0] + self.bodies[a]);
             std::array::from_fn(|a| (momentum[a] + half(a)) / self.grid.len() as f64)
         });
         Vec3::from(flow) * self.velocity_unit()
@@ -174,7 +174,7 @@ impl Lattice for Fluid {
                 }
                 for a in 0..3 {
                     for v in &mut all.velocity[a][range.clone()] {
-                        *v = (*v + self.share_of_force() * self.force[a][0]) * unit;
+                        *v = (*v + 0.5 * self.force[a][0]) * unit;
                     }
                 }
                 all.solid[range].fill(0);
@@ -198,11 +198,9 @@ impl Fluid {
 
     /// The force of the next step becomes that of this one.
     fn start_step(&mut self) {
+        self.at_rest = false;
         for force in &mut self.force {
             force[0] = force[1];
-        }
-        if std::mem::take(&mut self.at_rest) {
-            self.rest_under_force();
         }
     }
 

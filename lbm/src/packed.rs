@@ -5,11 +5,10 @@
 //! waits there. So bounce-back needs no copying: what an odd step leaves at a wall is what the even step has to find there,
 //! and the reverse.
 //!
-//! An even step is one loop over all nodes. For an odd one nodes are taken by the batch, which has [`BLOCKS`] blocks of a vector each. In a
-//! block, lanes whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and
-//! mask, further ones in a list of the batch. The fullest ones of a whole batch are collided where they stand ([`Scattered`](crate::scattered::Scattered)),
-//! further ones are brought to a [`Buffer`] and back. Where nodes of a batch are not alike, or some are left out, all populations pass
-//! through the buffer.
+//! An even step is one loop over all nodes. For an odd one nodes are taken by the batch: their populations are brought together in a
+//! [`Buffer`], collide there and go back to where they came from. A batch has [`BLOCKS`] blocks of a vector each. In a block, lanes
+//! whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and mask, further
+//! ones in a list of the batch.
 
 use crate::collide::Places;
 use crate::element::Precision;

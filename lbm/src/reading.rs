@@ -189,12 +189,12 @@ impl ReadBricks<'_> {
             // and a piece is no longer than the edge of a brick.
             unsafe { fluid.read(places, nodes, moments.each_mut().map(|m| m.as_mut_ptr())) };
         }
-        let (unit, scale, share) = (fluid.velocity_unit(), fluid.force_scale(), fluid.share_of_force());
+        let (unit, scale) = (fluid.velocity_unit(), fluid.force_scale());
         for a in 0..3 {
             let force = &self.force[a][piece.at..][..piece.len];
             let to = &mut self.to[a][piece.at..][..piece.len];
             let given = fluid.force[a][0];
-            let velocity = |moment: f64, force: f64| (moment + share * (force * scale + given)) * unit;
+            let velocity = |moment: f64, force: f64| (moment + 0.5 * (force * scale + given)) * unit;
             match (
                 <&mut [f64; BRICK_EDGE]>::try_from(&mut *to),
                 <&[f64; BRICK_EDGE]>::try_from(force),

@@ -83,38 +83,6 @@ impl Fluid {
         }
     }
 
-    /// The share of a step's force that velocities have beside the momentum of the populations. A fluid that has not been set in motion
-    /// takes no force into account before its first step.
-    pub(crate) fn share_of_force(&self) -> f64 {
-        if self.at_rest { 0.0 } else { 0.5 }
-    }
-
-    /// Sets all nodes to rest under the uniform force of this step: half of it is missing in their momentum. They are at even places.
-    pub(crate) fn rest_under_force(&mut self) {
-        let force = self.force.map(|f| f[0]);
-        if force == [0.0; 3] {
-            return;
-        }
-        let q = self.storage.velocities().q();
-        let momentum = force.map(|f| -0.5 * f);
-        let rest: Vec<f64> = (0..q)
-            .map(|i| self.population(i, [0.0; 3], momentum, &[[0.0; 3]; 3]))
-            .collect();
-        crate::parallel::map(&self.links.rows, |row| {
-            for run in &self.links.runs[row.runs.clone()] {
-                for (i, population) in rest.iter().enumerate() {
-                    let first = self
-                        .storage
-                        .index(i, run.start as isize, row.j as isize, row.k as isize);
-                    for place in first..first + run.len() {
-                        // SAFETY: the places are those of nodes of this row, which nobody else touches.
-                        unsafe { self.storage.write(place, *population) };
-                    }
-                }
-            }
-        });
-    }
-
     /// Equilibrium less the weight, and `-3 w_i tau (c c - 1/3) : grad u`.
     fn population(&self, i: usize, u: [f64; 3], momentum: [f64; 3], gradient: &[[f64; 3]; 3]) -> f64 {
         let velocities = self.storage.velocities();

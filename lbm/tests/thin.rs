@@ -197,6 +197,7 @@ fn through_slit(off: f64, tau: f64) -> f64 {
     );
     let report = fluid.set_walls(Some(Arc::new(wall)), 0.0).unwrap();
     assert_eq!(report.solid_nodes, 0);
+    fluid.set_velocity(|_| Vec3::zeros());
     let mass = |fluid: &Fluid| fluid.macroscopic().unwrap().pressure.iter().sum::<f64>();
     let idle = Bricks::new(fluid.grid());
     let steps = (400.0 / fluid.lattice_viscosity()).max(4000.0) as usize;

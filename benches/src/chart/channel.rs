@@ -135,10 +135,12 @@ impl Section {
             Self::Plates => Grid::new([cells, length, length], spacing, [false, true, true]),
         };
         let bricks = Bricks::new(&grid);
-        let fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(choice.tau))?
+        let mut fluid = Fluid::new(grid, DENSITY, VISCOSITY, Pace::Tau(choice.tau))?
             .with_collision(choice.collision)?
             .with_precision(choice.precision)
             .with_drive(Drive::Force(Vec3::z() * FORCE))?;
+        // At rest when the force sets in.
+        fluid.set_velocity(|_| Vec3::zeros());
         Ok((fluid, bricks))
     }
 

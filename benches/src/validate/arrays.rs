@@ -103,9 +103,8 @@ impl Steady {
             let mut fluid = numerics.fluid(Grid::new(shape, UM, [true; 3]))?;
             fluid.set_drive(Drive::Force(force))?;
             fluid.set_walls(Some(Arc::new(Closure::new(distance.clone(), 1e-4 * UM))), 0.0)?;
-            if start != Vec3::zeros() {
-                fluid.set_velocity(|_| start);
-            }
+            // At rest means at rest with half a step of the force: else a trace of the start stays between walls, in proportion to tau.
+            fluid.set_velocity(|_| start);
             Ok(fluid)
         })
     }

@@ -17,13 +17,13 @@ const KERNEL: Kernel = Kernel::RomaThree;
 
 /// Drag of a sphere of `radius` spacings over Stokes' and torque over `8 pi mu a^2 U`, at `gap` radii from a wall, moving
 /// along `direction` (z is off the wall).
-fn near_wall(radius: f64, gap: f64, direction: Vec3, quick: bool) -> Result<[f64; 2], Fault> {
+fn near_wall(radius: f64, gap: f64, direction: Vec3) -> Result<[f64; 2], Fault> {
     let cells = |radii: f64| (radii * radius).round() as usize;
     // Along the wall a sphere's own flow falls off as its height squared over the distance cubed, so that at the same distance
     // its images weigh more the higher it is: at three radii, in the box of one and a half, they take 2.8 % of the drag.
     let wide = (gap / 1.5).powf(2.0 / 3.0);
-    let side = cells(wide * if quick { 12.0 } else { 14.0 });
-    let shape = [side, side, cells(gap + wide * if quick { 6.0 } else { 7.0 })];
+    let side = cells(wide * 14.0);
+    let shape = [side, side, cells(gap + wide * 7.0)];
     let tau = 3.0;
     let fluid = stokes(Grid::new(shape, H, [true, true, false]), tau)?;
     let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL));
@@ -60,9 +60,7 @@ pub fn sphere_near_wall(table: &Table, effort: Effort) -> Outcome {
             findings.left_out += 1;
         }
     }
-    let found = side_by_side(&rows, |&(gap, direction, _)| {
-        near_wall(radius, gap, direction, effort.quick)
-    })?;
+    let found = side_by_side(&rows, |&(gap, direction, _)| near_wall(radius, gap, direction))?;
     for ((gap, direction, reference), ([force, torque], seconds)) in rows.iter().zip(found) {
         let off = direction.z > 0.0;
         let way = if off { "off the wall" } else { "along the wall" };
