@@ -26,12 +26,12 @@ fn quantity(row: &Row, passed: &Passed) -> Result<f64, ReferenceError> {
 }
 
 /// The order p of the error in the spacing for which three values, those on the finer grids last, lie on one curve
-/// `f + c h^p`, by bisection between 0.01 and 10; not a number where there is none.
+/// `f + c h^p`, by bisection between 0.5 and 10; not a number where there is none: a lower one tells nothing.
 fn order(cells: [f64; 3], values: [f64; 3]) -> f64 {
     let [coarse, medium, fine] = cells;
     let wanted = (values[0] - values[1]) / (values[1] - values[2]);
     let ratio = |p: f64| (coarse.powf(-p) - medium.powf(-p)) / (medium.powf(-p) - fine.powf(-p));
-    let (mut low, mut high) = (0.01, 10.0);
+    let (mut low, mut high) = (0.5, 10.0);
     if !(ratio(low)..=ratio(high)).contains(&wanted) {
         return f64::NAN;
     }
@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn the_order_of_a_power_is_found() {
         let cells = [6.0, 7.781, 12.0];
-        for p in [0.5, 1.0, 2.3] {
+        for p in [0.6, 1.0, 2.3] {
             let found = order(cells, cells.map(|n| 3.0 - 2.0 * n.powf(-p)));
             assert!((found - p).abs() < 1e-9, "{found} {p}");
         }
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn a_power_is_extrapolated_to_its_limit() {
         let cells = [8.0, 10.0, 13.0];
-        for p in [0.5, 1.0, 2.0] {
+        for p in [0.6, 1.0, 2.0] {
             let limit = extrapolated(cells, cells.map(|n| 3.0 - 2.0 * n.powf(-p)));
             assert!((limit - 3.0).abs() < 1e-9, "{limit} {p}");
         }
