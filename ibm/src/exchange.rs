@@ -119,7 +119,8 @@ impl DeltaExchange {
     /// [`Kernel::hydrodynamic_shift`] spacings times the tangential force on their area over the fluid's viscosity, which is what the kernel takes off the
     /// kink of the velocity there; they do not by default. With it, and nodes on the surface itself, capsules that tread round deform as they
     /// should to second order in the spacing, where an inset is right only if the fluid inside does not deform. It makes stiff
-    /// membranes move faster, so that the longest stable step is shorter.
+    /// membranes move faster, so that the longest stable step is shorter. The viscosity is that of the fluid around: for a body with another one inside
+    /// use [`DeltaExchange::with_elastic_inset`].
     pub fn with_elastic_slip(mut self, slip: bool) -> Self {
         self.elastic_slip = slip.then(Slip::default);
         self

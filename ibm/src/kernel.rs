@@ -145,8 +145,8 @@ impl Kernel {
     }
 
     /// Slip length of the markers of a rigid body, in grid spacings: the fluid there lags along the surface by so much times the
-    /// shear. Without it a body would act larger to a flow that varies over it than to a uniform one: a sphere of 3.6 spacings with 9 % too
-    /// little torque or 3 % too much drag on a Poiseuille flow, where its drag is right.
+    /// shear. Without it a body would act larger to a flow that varies over it than to a uniform one,
+    /// and turn as a smaller one, where its drag is right.
     pub fn rigid_slip(self) -> f64 {
         self.rigid_layer()[1]
     }
