@@ -6,6 +6,8 @@
 
 mod bead;
 mod cell;
+#[cfg(feature = "parry")]
+mod compound;
 mod error;
 #[cfg(feature = "parry")]
 mod slit;

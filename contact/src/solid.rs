@@ -1,5 +1,6 @@
 //! Any parry shape as a solid wall.
 
+use crate::compound;
 use lbm_ibm_coupling::nalgebra::{Isometry3, Point3};
 use lbm_ibm_coupling::{Boundary, Probe, Vec3};
 use parry3d_f64::math::Vector;
@@ -9,7 +10,8 @@ use std::sync::Arc;
 
 /// A parry shape under a pose, thickened by a rounding radius: solid inside, fluid outside.
 ///
-/// Distances are exact for convex shapes. A triangle mesh needs parry's ORIENTED flag to have an inside.
+/// Distances are exact for convex shapes and, outside of it, for a compound of them; where its parts overlap, the part
+/// that holds a point deepest answers. A triangle mesh needs parry's ORIENTED flag to have an inside.
 #[derive(Clone)]
 pub struct Solid {
     shape: SharedShape,
@@ -68,7 +70,14 @@ fn vector(v: Vec3) -> Vector {
 impl Boundary for Solid {
     fn probe(&self, x: Vec3, _t: f64) -> Probe {
         let local = self.local(x);
-        let nearest = self.shape.project_local_point(vector(local), false);
+        let nearest = match self
+            .shape
+            .as_compound()
+            .map(|parts| compound::project(parts, vector(local)))
+        {
+            Some(Some((_, nearest))) => nearest,
+            _ => self.shape.project_local_point(vector(local), false),
+        };
         let away = local - Vec3::new(nearest.point.x, nearest.point.y, nearest.point.z);
         let depth = away.norm();
         let sign = if nearest.is_inside { -1.0 } else { 1.0 };

@@ -1,11 +1,11 @@
 //! Many spheres as one wall: the beads of frozen chains, an array of posts.
 
-use crate::ContactError;
+use crate::{ContactError, compound};
 use lbm_ibm_coupling::{Boundary, Domain, Probe, Sphere, Vec3};
-use parry3d_f64::math::{Pose, Real, Vector};
+use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::Ray;
 use parry3d_f64::query::RayCast;
-use parry3d_f64::shape::{Ball, CompositeShapeRef, Compound, SharedShape};
+use parry3d_f64::shape::{Ball, Compound, SharedShape};
 use std::sync::Arc;
 
 /// Spheres as a solid wall, found by parry's tree of boxes; sphere `i` is part `first + i`, so that the load on each
@@ -94,8 +94,7 @@ impl Spheres {
 impl Boundary for Spheres {
     fn probe(&self, x: Vec3, _t: f64) -> Probe {
         let point = Vector::new(x.x, x.y, x.z);
-        let nearest = CompositeShapeRef(self.compound.as_ref()).project_local_point(point, Real::MAX, false);
-        let Some((shape, projection)) = nearest else {
+        let Some((shape, projection)) = compound::project(&self.compound, point) else {
             return Probe::at_rest(f64::INFINITY, Vec3::zeros());
         };
         let (pose, _) = &self.compound.shapes()[shape as usize];
@@ -120,6 +119,7 @@ impl Boundary for Spheres {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+    use lbm_ibm_coupling::nalgebra::Isometry3;
     use proptest::prelude::*;
 
     fn balls(centres: &[[f64; 3]]) -> Vec<Sphere> {
@@ -156,11 +156,30 @@ mod tests {
             let x = Vec3::from(x);
             let exact = centres.iter().map(|c| (x - Vec3::from(*c)).norm() - 1.0).fold(f64::INFINITY, f64::min);
             let probe = wall.probe(x, 0.0);
-            // Inside of overlapping spheres the depth is that of the nearest surface.
-            prop_assume!(exact > 0.0);
             prop_assert!((probe.distance - exact).abs() < 1e-12);
             let centre = Vec3::from(centres[probe.part as usize]);
             prop_assert!(((x - centre).normalize() - probe.normal).norm() < 1e-12);
+        }
+
+        #[test]
+        fn a_point_in_one_sphere_is_inside_though_another_surface_is_nearer(
+            first in prop::array::uniform3(-5.0..5.0f64),
+            depth in 0.3..0.9f64,
+            before in 0.01..0.29f64,
+            towards in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            prop_assume!(Vec3::from(towards).norm() > 0.1);
+            let first = Vec3::from(first);
+            let along = Vec3::from(towards).normalize();
+            let x = first + along * (1.0 - depth);
+            let second = x + along * (1.0 + before);
+            let wall = Spheres::new(&[Sphere::new(first, 1.0), Sphere::new(second, 1.0)]).unwrap();
+            prop_assert!((wall.probe(x, 0.0).distance + depth).abs() < 1e-12);
+            let shapes = [first, second].map(|c| {
+                (Pose::translation(c.x, c.y, c.z), SharedShape(Arc::new(Ball::new(1.0))))
+            });
+            let solid = crate::Solid::new(SharedShape::compound(shapes.to_vec()), Isometry3::identity());
+            prop_assert!((solid.probe(x, 0.0).distance + depth).abs() < 1e-12);
         }
 
         #[test]
