@@ -52,12 +52,11 @@ fn tube(row: &Row, effort: Effort) -> Result<Option<Tube>, Fault> {
     } else {
         FULL.contains(&(law, ratio, capillary))
     };
-    let is_tight = ratio > TIGHT;
-    let (cells, step) = match (effort.quick, is_tight) {
-        (true, _) => (20.0, 0.02),
-        (false, false) => (24.0, 0.02),
-        (false, true) if ratio > FOLDING => (32.0, 0.011),
-        (false, true) => (28.0, 0.015),
+    let (cells, step) = match effort.quick {
+        true => (16.0, 0.015),
+        false if ratio > FOLDING => (32.0, 0.011),
+        false if ratio > TIGHT => (24.0, 0.01),
+        false => (20.0, 0.012),
     };
     Ok(wanted.then_some(Tube {
         material,
@@ -67,6 +66,7 @@ fn tube(row: &Row, effort: Effort) -> Result<Option<Tube>, Fault> {
         cells,
         length: if ratio > 1.0 { 5.0 } else { 3.5 },
         step: step * capillary,
+        slip: ratio <= FOLDING,
     }))
 }
 
@@ -129,7 +129,7 @@ pub fn capsule_tube(table: &Table, effort: Effort) -> Outcome {
     let folds = folds(&tubes)?;
     for (((row, tube), (settled, seconds)), fold) in rows.iter().zip(settle(&tubes)?).zip(folds) {
         findings.begin_done(name(row, tube), seconds);
-        let gates = if tube.ratio > 0.85 {
+        let gates = if tube.ratio > TIGHT {
             [0.05; 3]
         } else {
             [0.01, 0.03, 0.03]

@@ -12,8 +12,6 @@ use lbm_ibm::membrane::{Cell, Mesh, laws};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Kernel of these cases.
-const KERNEL: Kernel = Kernel::RomaThree;
 /// Relaxation time.
 const TAU: f64 = 2.0;
 /// Velocity of the frame in mean velocities: a capsule that hardly moves on the grid has a steady flow around it, without the
@@ -48,6 +46,8 @@ pub struct Tube {
     pub length: f64,
     /// Way of the mean flow in a step over the tube's radius.
     pub step: f64,
+    /// Whether its nodes lie on the surface and slip, else inside of it by the kernel's shift.
+    pub slip: bool,
 }
 
 /// The steady state of a capsule in a tube.
@@ -90,6 +90,11 @@ impl Boundary for Wall {
 }
 
 impl Tube {
+    /// With slip the narrowest kernel errs least.
+    fn kernel(&self) -> Kernel {
+        if self.slip { Kernel::TwoPoint } else { Kernel::RomaThree }
+    }
+
     /// The fluid of a tube `length` spacings long in the frame that moves with [`FRAME`], and the wall to put around it.
     fn scene(&self, length: usize, flux: f64) -> Result<(Scene, Wall), Fault> {
         let tube = TubeBox::new(length, self.cells);
@@ -112,7 +117,8 @@ impl Tube {
             let r = (x.y - centre.y).hypot(x.z - centre.z) / radius;
             Vec3::x() * (mean * (2.0 * (1.0 - r * r).max(0.0) - FRAME))
         });
-        let scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL)).with_guard(guard());
+        let scene = Scene::with_fluid(fluid, DeltaExchange::new(self.kernel()).with_elastic_slip(self.slip))
+            .with_guard(guard());
         Ok((scene, wall))
     }
 
@@ -140,7 +146,11 @@ impl Tube {
         let length = (self.length * self.cells).round() as usize;
         let (mut scene, wall) = self.scene(length, flux)?;
         let centre = wall.centre;
-        let inset = KERNEL.hydrodynamic_shift() * H;
+        let inset = if self.slip {
+            0.0
+        } else {
+            self.kernel().hydrodynamic_shift() * H
+        };
         let size = self.ratio * radius;
         let nodes = (4.0 * PI * (size / H).powi(2) / NODE_AREA) as usize;
         let mesh = Arc::new(Mesh::sphere(size - inset, nodes)?);

@@ -13,7 +13,8 @@ use lbm_ibm::membrane::{Cell, Mesh, laws};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// The narrowest kernel, for the film: once a node is one spacing and a quarter away from the wall, it reads no solid node.
+/// The narrowest kernel, for the film: once a node is one spacing away from the wall, it reads no solid node. The nodes lie on the
+/// surface and slip.
 const KERNEL: Kernel = Kernel::TwoPoint;
 /// Viscosity times mean velocity in the throat over shear modulus.
 const CAPILLARY: f64 = 0.1;
@@ -86,7 +87,7 @@ impl Passage {
             Vec3::x() * (2.0 * flux / (PI * radius * radius) * (1.0 - r * r).max(0.0))
         });
         let guard = Guard { depth: H, ..guard() };
-        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL)).with_guard(guard);
+        let mut scene = Scene::with_fluid(fluid, DeltaExchange::new(KERNEL).with_elastic_slip(true)).with_guard(guard);
         scene.set_walls(Arc::new(throat))?;
         Ok((scene, throat))
     }
@@ -104,9 +105,8 @@ impl Passage {
             scene.step()?;
         }
         let empty = force(&scene);
-        let inset = KERNEL.hydrodynamic_shift() * H;
         let nodes = (4.0 * PI * (a / H).powi(2) / self.node_area) as usize;
-        let mesh = Arc::new(Mesh::sphere(a - inset, nodes)?);
+        let mesh = Arc::new(Mesh::sphere(a, nodes)?);
         let shear = VISCOSITY * velocity / CAPILLARY;
         let bending = BENDING * shear * a * a;
         let cell = Cell::new("capsule", mesh.clone())
@@ -122,7 +122,7 @@ impl Passage {
         let law = SoftSphere::new(1.0, 1.0, CONTACT * H)?;
         let law = law.scaled(shear * H / law.force(0.5 * CONTACT * H));
         scene.add_field(WallRepulsion::new(Arc::new(throat), law));
-        let mut watch = Watch::new(&throat, &mesh, id, [a, velocity, inset]);
+        let mut watch = Watch::new(&throat, &mesh, id, [a, velocity]);
         let window = (LOOK * a / (velocity * scene.time_step())).ceil() as usize;
         watch.follow(&mut scene, window, empty)
     }

@@ -48,21 +48,18 @@ pub struct Watch<'a> {
     id: u32,
     radius: f64,
     velocity: f64,
-    /// How far the surface lies outside of the nodes, m.
-    inset: f64,
 }
 
 impl<'a> Watch<'a> {
-    /// On body `id`; `sizes` are the capsule's radius (m), the throat's mean velocity (m/s) and the inset (m).
-    pub fn new(throat: &'a Throat, mesh: &'a Arc<Mesh>, id: u32, sizes: [f64; 3]) -> Self {
-        let [radius, velocity, inset] = sizes;
+    /// On body `id`; `sizes` are the capsule's radius (m) and the throat's mean velocity (m/s).
+    pub fn new(throat: &'a Throat, mesh: &'a Arc<Mesh>, id: u32, sizes: [f64; 2]) -> Self {
+        let [radius, velocity] = sizes;
         Self {
             throat,
             mesh,
             id,
             radius,
             velocity,
-            inset,
         }
     }
 
@@ -146,9 +143,9 @@ impl<'a> Watch<'a> {
         let x = scene.body_positions(self.id)?;
         let nose = x.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let rear = x.x.iter().copied().fold(f64::INFINITY, f64::min);
-        let length = (nose - rear + 2.0 * self.inset) / (2.0 * self.radius);
+        let length = (nose - rear) / (2.0 * self.radius);
         passed.length = passed.length.max(length);
-        let film = (scene.wall_distance(self.id)? - self.inset) / self.radius;
+        let film = scene.wall_distance(self.id)? / self.radius;
         passed.film = passed.film.min(film);
         let area = surface_area(x, self.mesh.triangles()) / self.mesh.area() - 1.0;
         passed.area = passed.area.max(area);
