@@ -55,7 +55,7 @@ fn tube(row: &Row, effort: Effort) -> Result<Option<Tube>, Fault> {
     let (cells, step) = match effort.quick {
         true => (16.0, 0.015),
         false if ratio > FOLDING => (32.0, 0.011),
-        false if ratio > TIGHT => (24.0, 0.01),
+        false if ratio > TIGHT => (24.0, 0.0075),
         false => (20.0, 0.012),
     };
     Ok(wanted.then_some(Tube {
