@@ -3,18 +3,20 @@
 use crate::drive::Balance;
 use crate::element::{Element, Half, Precision};
 use crate::marks::{BITS, CODED, Marks};
+use crate::packed::Packed;
 use crate::simd::prefetch;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
+use crate::terms::Terms;
+use std::cell::RefCell;
 use std::ops::Range;
-
-/// How many links before its own the place behind is asked for.
-const AHEAD: usize = 24;
 
 /// A step as the pass sees it.
 #[derive(Clone, Copy)]
 pub struct Pass<'a> {
     pub storage: &'a Storage,
+    /// None where nodes are not packed, and no links are marked.
+    pub packed: Option<&'a Packed>,
     /// Whether the step was an odd one.
     pub odd: bool,
     /// Velocity, lattice units, by which interpolated walls give way.
@@ -42,6 +44,17 @@ impl<S: Element> View<S> {
     }
 }
 
+/// Places behind the links of a piece and of the next one.
+type Behind = [Vec<u32>; 2];
+
+/// Lends a thread its own.
+fn lend<R>(work: impl FnOnce(&mut Behind) -> R) -> R {
+    thread_local! {
+        static OWN: RefCell<Behind> = RefCell::default();
+    }
+    OWN.with_borrow_mut(work)
+}
+
 impl Marks {
     fn view<S>(&self, pass: Pass) -> View<S> {
         let (q, arrays) = (pass.storage.velocities().q(), pass.storage.arrays());
@@ -50,7 +63,7 @@ impl Marks {
             own: [0; CODED],
             opposite: [0; CODED],
             odd: pass.odd,
-            shrink: pass.shrink * self.unit,
+            shrink: pass.shrink,
         };
         for i in 0..q {
             view.own[i] = arrays[i];
@@ -59,25 +72,32 @@ impl Marks {
         view
     }
 
-    /// What interpolation adds to link `n`.
+    /// What interpolation adds to link `n`, of which the place behind is known.
     ///
     /// # Safety
     /// Its node and the one behind have taken the step, and nobody writes to their places.
     #[inline(always)]
-    unsafe fn interpolated<S: Element>(&self, view: &View<S>, (node, i): (usize, usize), n: usize) -> f64 {
+    unsafe fn interpolated<S: Element>(
+        &self,
+        view: &View<S>,
+        (node, i): (usize, usize),
+        n: usize,
+        behind: usize,
+    ) -> f64 {
         // SAFETY: all are places of nodes.
         unsafe {
             // Where a wall is behind, what left this one waits at that one in either step.
-            let (near, far) = (view.get(view.opposite[i] + node), view.get(self.behind[n] as usize));
+            let (near, far) = (view.get(view.opposite[i] + node), view.get(behind));
             let (arriving, leaving) = if view.odd { (near, far) } else { (far, near) };
+            let [share, swell] = self.terms.of(n);
             let more = match self.leaving.get(n) {
-                None => self.arriving[n] * (arriving - leaving),
-                Some(share) => {
+                None => share * (arriving - leaving),
+                Some(other) => {
                     let own = view.get(view.own[i] + node);
-                    self.arriving[n] * (arriving - own) + share * (leaving - own)
+                    share * (arriving - own) + other * (leaving - own)
                 }
             };
-            more - view.shrink * f64::from(self.swells[n])
+            more - view.shrink * swell
         }
     }
 
@@ -89,14 +109,15 @@ impl Marks {
         // SAFETY: the caller's.
         unsafe {
             match pass.storage.precision() {
-                Precision::F64 => self.find_in(&self.view::<f64>(pass), first, more),
-                Precision::F32 => self.find_in(&self.view::<f32>(pass), first, more),
-                Precision::F16 => self.find_in(&self.view::<Half>(pass), first, more),
+                Precision::F64 => self.find_in(&self.view::<f64>(pass), pass, first, more),
+                Precision::F32 => self.find_in(&self.view::<f32>(pass), pass, first, more),
+                Precision::F16 => self.find_in(&self.view::<Half>(pass), pass, first, more),
             }
         }
     }
 
-    unsafe fn find_in<S: Element>(&self, view: &View<S>, first: usize, more: &mut [f64]) {
+    unsafe fn find_in<S: Element>(&self, view: &View<S>, pass: Pass, first: usize, more: &mut [f64]) {
+        let Some(packed) = pass.packed else { return };
         let end = first + more.len();
         let start = self.first.partition_point(|n| *n as usize <= first).saturating_sub(1);
         for piece in start..self.pieces() {
@@ -105,8 +126,10 @@ impl Marks {
                 return;
             }
             for n in links.start.max(first)..links.end.min(end) {
+                let (node, i) = self.link_of(piece, n);
+                let behind = packed.place(pass.storage, node, opposite(i));
                 // SAFETY: the caller's.
-                more[n - first] = unsafe { self.interpolated(view, self.link_of(piece, n), n) };
+                more[n - first] = unsafe { self.interpolated(view, (node, i), n, behind) };
             }
         }
     }
@@ -135,27 +158,46 @@ impl Marks {
         balances: &mut [Balance],
         kept: &[f64],
     ) {
-        let plain = self.interpolate() && kept.is_empty() && self.pushes.is_empty() && !pass.tally;
-        for (piece, balance) in (first..).zip(balances) {
-            self.fetch(view, piece + 1);
-            // SAFETY: the caller's.
-            unsafe {
-                if plain {
-                    balance.gained += self.add_plainly(view, piece);
-                } else {
-                    self.add_all(view, pass, piece, balance, kept);
+        let interpolate = self.interpolate() && kept.is_empty();
+        let packed = pass.packed.filter(|_| interpolate);
+        let plain = interpolate && self.pushes.is_empty() && !pass.tally;
+        lend(|[behind, next]| {
+            self.look_behind(view, pass, packed, first, behind);
+            for (piece, balance) in (first..).zip(balances) {
+                self.look_behind(view, pass, packed, piece + 1, next);
+                // SAFETY: the caller's.
+                unsafe {
+                    if plain {
+                        balance.gained += self.add_plainly(view, piece, behind);
+                    } else {
+                        self.add_all(view, pass, piece, balance, kept, behind);
+                    }
                 }
+                std::mem::swap(behind, next);
             }
-        }
+        });
     }
 
-    /// Asks for the places of the links of a piece.
+    /// Asks for the places of the links of a piece, and finds and asks for those behind if they are wanted.
     #[inline(always)]
-    fn fetch<S>(&self, view: &View<S>, piece: usize) {
-        for n in self.of_piece(piece) {
-            let (node, i) = self.link_of(piece, n);
-            prefetch(view.data.wrapping_add(view.own[i] + node));
-            prefetch(view.data.wrapping_add(view.opposite[i] + node));
+    fn look_behind<S>(&self, view: &View<S>, pass: Pass, packed: Option<&Packed>, piece: usize, behind: &mut Vec<u32>) {
+        behind.clear();
+        let (links, base) = (self.of_piece(piece), piece * self.piece);
+        let codes = &self.codes[links.clone()];
+        let decoded = codes
+            .iter()
+            .map(|code| (usize::from(*code >> BITS), usize::from(*code) % CODED));
+        if let Some(packed) = packed.filter(|_| !codes.is_empty()) {
+            let parts = decoded.clone().zip(&self.behind[links]);
+            let wanted = parts.map(|((node, i), part)| (node, opposite(i), *part));
+            packed.add_places(pass.storage, piece, wanted, behind);
+            for place in behind {
+                prefetch(view.data.wrapping_add(*place as usize));
+            }
+        }
+        for (node, i) in decoded {
+            prefetch(view.data.wrapping_add(view.own[i] + base + node));
+            prefetch(view.data.wrapping_add(view.opposite[i] + base + node));
         }
     }
 
@@ -165,23 +207,44 @@ impl Marks {
     /// # Safety
     /// As for [`Marks::add`].
     #[inline(always)]
-    unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize) -> f64 {
-        let (links, base) = (self.of_piece(piece), piece * self.piece);
-        let later = self.behind[links.start..].iter().skip(AHEAD);
-        for behind in later.take(links.len()) {
-            prefetch(view.data.wrapping_add(*behind as usize));
+    unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize, behind: &[u32]) -> f64 {
+        let links = self.of_piece(piece);
+        // SAFETY: the caller's.
+        unsafe {
+            match &self.terms {
+                Terms::Few { numbers, pairs } => {
+                    let terms = numbers[links].iter().map(|number| pairs[usize::from(*number)]);
+                    self.add_terms(view, piece, behind, terms)
+                }
+                Terms::Many { shares, swells, units } => {
+                    let both = shares[links.clone()].iter().zip(&swells[links]);
+                    let terms = both.map(|(share, swell)| [f64::from(*share) * units[0], f64::from(*swell) * units[1]]);
+                    self.add_terms(view, piece, behind, terms)
+                }
+            }
         }
-        let codes = self.codes[links.clone()].iter();
-        let shares = self.arriving[links.clone()].iter().zip(&self.swells[links.clone()]);
+    }
+
+    /// The same with the terms of its links.
+    #[inline(always)]
+    unsafe fn add_terms<S: Element>(
+        &self,
+        view: &View<S>,
+        piece: usize,
+        behind: &[u32],
+        terms: impl Iterator<Item = [f64; 2]>,
+    ) -> f64 {
+        let codes = &self.codes[self.of_piece(piece)];
+        let base = piece * self.piece;
         // Turned round, the difference of what arrives and what leaves.
         let sign = if view.odd { -1.0 } else { 1.0 };
         let mut gained = 0.0;
-        for ((code, behind), (share, swell)) in codes.zip(&self.behind[links]).zip(shares) {
+        for ((code, behind), [share, swell]) in codes.iter().zip(behind).zip(terms) {
             let (node, i) = (base + usize::from(*code >> BITS), usize::from(*code) % CODED);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
                 let across = view.get(*behind as usize) - view.get(view.opposite[i] + node);
-                let more = share * (sign * across) - view.shrink * f64::from(*swell);
+                let more = share * (sign * across) - view.shrink * swell;
                 gained += more;
                 let place = view.data.add(view.own[i] + node);
                 *place = S::near((*place).get() + more);
@@ -201,18 +264,20 @@ impl Marks {
         piece: usize,
         balance: &mut Balance,
         kept: &[f64],
+        behind: &[u32],
     ) {
         let velocities = pass.storage.velocities();
         // Of each population, what was added.
         let mut sums = [0.0; MAX_Q];
-        for n in self.of_piece(piece) {
+        let links = self.of_piece(piece);
+        for n in links.clone() {
             let (node, i) = self.link_of(piece, n);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
-                let more = match kept.get(n) {
-                    Some(more) => *more,
-                    None if self.interpolate() => self.interpolated(view, (node, i), n),
-                    None => 0.0,
+                let more = match (kept.get(n), behind.get(n - links.start)) {
+                    (Some(more), _) => *more,
+                    (None, Some(behind)) => self.interpolated(view, (node, i), n, *behind as usize),
+                    (None, None) => 0.0,
                 };
                 balance.gained += more;
                 let added = more + self.pushes.get(n).copied().unwrap_or(0.0);
