@@ -3,20 +3,19 @@
 use crate::drive::Balance;
 use crate::element::{Element, Half, Precision};
 use crate::marks::{BITS, CODED, Marks};
-use crate::packed::Packed;
 use crate::simd::prefetch;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use crate::terms::Terms;
-use std::cell::RefCell;
 use std::ops::Range;
+
+/// How many links before its own the place behind is asked for.
+const AHEAD: usize = 24;
 
 /// A step as the pass sees it.
 #[derive(Clone, Copy)]
 pub struct Pass<'a> {
     pub storage: &'a Storage,
-    /// None where nodes are not packed, and no links are marked.
-    pub packed: Option<&'a Packed>,
     /// Whether the step was an odd one.
     pub odd: bool,
     /// Velocity, lattice units, by which interpolated walls give way.
@@ -32,7 +31,7 @@ struct View<S> {
     own: [usize; CODED],
     opposite: [usize; CODED],
     odd: bool,
-    /// By how much of its unit each wall gives way.
+    /// Velocity, lattice units, by which interpolated walls give way.
     shrink: f64,
 }
 
@@ -42,17 +41,6 @@ impl<S: Element> View<S> {
         // SAFETY: the caller's: it is the place of a node.
         unsafe { (*self.data.add(place)).get() }
     }
-}
-
-/// Places behind the links of a piece and of the next one.
-type Behind = [Vec<u32>; 2];
-
-/// Lends a thread its own.
-fn lend<R>(work: impl FnOnce(&mut Behind) -> R) -> R {
-    thread_local! {
-        static OWN: RefCell<Behind> = RefCell::default();
-    }
-    OWN.with_borrow_mut(work)
 }
 
 impl Marks {
@@ -72,22 +60,16 @@ impl Marks {
         view
     }
 
-    /// What interpolation adds to link `n`, of which the place behind is known.
+    /// What interpolation adds to link `n`.
     ///
     /// # Safety
     /// Its node and the one behind have taken the step, and nobody writes to their places.
     #[inline(always)]
-    unsafe fn interpolated<S: Element>(
-        &self,
-        view: &View<S>,
-        (node, i): (usize, usize),
-        n: usize,
-        behind: usize,
-    ) -> f64 {
+    unsafe fn interpolated<S: Element>(&self, view: &View<S>, (node, i): (usize, usize), n: usize) -> f64 {
         // SAFETY: all are places of nodes.
         unsafe {
             // Where a wall is behind, what left this one waits at that one in either step.
-            let (near, far) = (view.get(view.opposite[i] + node), view.get(behind));
+            let (near, far) = (view.get(view.opposite[i] + node), view.get(self.behind[n] as usize));
             let (arriving, leaving) = if view.odd { (near, far) } else { (far, near) };
             let [share, swell] = self.terms.of(n);
             let more = match self.leaving.get(n) {
@@ -109,15 +91,14 @@ impl Marks {
         // SAFETY: the caller's.
         unsafe {
             match pass.storage.precision() {
-                Precision::F64 => self.find_in(&self.view::<f64>(pass), pass, first, more),
-                Precision::F32 => self.find_in(&self.view::<f32>(pass), pass, first, more),
-                Precision::F16 => self.find_in(&self.view::<Half>(pass), pass, first, more),
+                Precision::F64 => self.find_in(&self.view::<f64>(pass), first, more),
+                Precision::F32 => self.find_in(&self.view::<f32>(pass), first, more),
+                Precision::F16 => self.find_in(&self.view::<Half>(pass), first, more),
             }
         }
     }
 
-    unsafe fn find_in<S: Element>(&self, view: &View<S>, pass: Pass, first: usize, more: &mut [f64]) {
-        let Some(packed) = pass.packed else { return };
+    unsafe fn find_in<S: Element>(&self, view: &View<S>, first: usize, more: &mut [f64]) {
         let end = first + more.len();
         let start = self.first.partition_point(|n| *n as usize <= first).saturating_sub(1);
         for piece in start..self.pieces() {
@@ -126,10 +107,8 @@ impl Marks {
                 return;
             }
             for n in links.start.max(first)..links.end.min(end) {
-                let (node, i) = self.link_of(piece, n);
-                let behind = packed.place(pass.storage, node, opposite(i));
                 // SAFETY: the caller's.
-                more[n - first] = unsafe { self.interpolated(view, (node, i), n, behind) };
+                more[n - first] = unsafe { self.interpolated(view, self.link_of(piece, n), n) };
             }
         }
     }
@@ -158,46 +137,27 @@ impl Marks {
         balances: &mut [Balance],
         kept: &[f64],
     ) {
-        let interpolate = self.interpolate() && kept.is_empty();
-        let packed = pass.packed.filter(|_| interpolate);
-        let plain = interpolate && self.pushes.is_empty() && !pass.tally;
-        lend(|[behind, next]| {
-            self.look_behind(view, pass, packed, first, behind);
-            for (piece, balance) in (first..).zip(balances) {
-                self.look_behind(view, pass, packed, piece + 1, next);
-                // SAFETY: the caller's.
-                unsafe {
-                    if plain {
-                        balance.gained += self.add_plainly(view, piece, behind);
-                    } else {
-                        self.add_all(view, pass, piece, balance, kept, behind);
-                    }
+        let plain = self.interpolate() && kept.is_empty() && self.pushes.is_empty() && !pass.tally;
+        for (piece, balance) in (first..).zip(balances) {
+            self.fetch(view, piece + 1);
+            // SAFETY: the caller's.
+            unsafe {
+                if plain {
+                    balance.gained += self.add_plainly(view, piece);
+                } else {
+                    self.add_all(view, pass, piece, balance, kept);
                 }
-                std::mem::swap(behind, next);
-            }
-        });
-    }
-
-    /// Asks for the places of the links of a piece, and finds and asks for those behind if they are wanted.
-    #[inline(always)]
-    fn look_behind<S>(&self, view: &View<S>, pass: Pass, packed: Option<&Packed>, piece: usize, behind: &mut Vec<u32>) {
-        behind.clear();
-        let (links, base) = (self.of_piece(piece), piece * self.piece);
-        let codes = &self.codes[links.clone()];
-        let decoded = codes
-            .iter()
-            .map(|code| (usize::from(*code >> BITS), usize::from(*code) % CODED));
-        if let Some(packed) = packed.filter(|_| !codes.is_empty()) {
-            let parts = decoded.clone().zip(&self.behind[links]);
-            let wanted = parts.map(|((node, i), part)| (node, opposite(i), *part));
-            packed.add_places(pass.storage, piece, wanted, behind);
-            for place in behind {
-                prefetch(view.data.wrapping_add(*place as usize));
             }
         }
-        for (node, i) in decoded {
-            prefetch(view.data.wrapping_add(view.own[i] + base + node));
-            prefetch(view.data.wrapping_add(view.opposite[i] + base + node));
+    }
+
+    /// Asks for the places of the links of a piece.
+    #[inline(always)]
+    fn fetch<S>(&self, view: &View<S>, piece: usize) {
+        for n in self.of_piece(piece) {
+            let (node, i) = self.link_of(piece, n);
+            prefetch(view.data.wrapping_add(view.own[i] + node));
+            prefetch(view.data.wrapping_add(view.opposite[i] + node));
         }
     }
 
@@ -207,19 +167,19 @@ impl Marks {
     /// # Safety
     /// As for [`Marks::add`].
     #[inline(always)]
-    unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize, behind: &[u32]) -> f64 {
+    unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize) -> f64 {
         let links = self.of_piece(piece);
         // SAFETY: the caller's.
         unsafe {
             match &self.terms {
                 Terms::Few { numbers, pairs } => {
                     let terms = numbers[links].iter().map(|number| pairs[usize::from(*number)]);
-                    self.add_terms(view, piece, behind, terms)
+                    self.add_terms(view, piece, terms)
                 }
                 Terms::Many { shares, swells, units } => {
                     let both = shares[links.clone()].iter().zip(&swells[links]);
                     let terms = both.map(|(share, swell)| [f64::from(*share) * units[0], f64::from(*swell) * units[1]]);
-                    self.add_terms(view, piece, behind, terms)
+                    self.add_terms(view, piece, terms)
                 }
             }
         }
@@ -227,19 +187,17 @@ impl Marks {
 
     /// The same with the terms of its links.
     #[inline(always)]
-    unsafe fn add_terms<S: Element>(
-        &self,
-        view: &View<S>,
-        piece: usize,
-        behind: &[u32],
-        terms: impl Iterator<Item = [f64; 2]>,
-    ) -> f64 {
-        let codes = &self.codes[self.of_piece(piece)];
-        let base = piece * self.piece;
+    unsafe fn add_terms<S: Element>(&self, view: &View<S>, piece: usize, terms: impl Iterator<Item = [f64; 2]>) -> f64 {
+        let (links, base) = (self.of_piece(piece), piece * self.piece);
+        let later = self.behind[links.start..].iter().skip(AHEAD);
+        for behind in later.take(links.len()) {
+            prefetch(view.data.wrapping_add(*behind as usize));
+        }
+        let codes = self.codes[links.clone()].iter();
         // Turned round, the difference of what arrives and what leaves.
         let sign = if view.odd { -1.0 } else { 1.0 };
         let mut gained = 0.0;
-        for ((code, behind), [share, swell]) in codes.iter().zip(behind).zip(terms) {
+        for ((code, behind), [share, swell]) in codes.zip(&self.behind[links]).zip(terms) {
             let (node, i) = (base + usize::from(*code >> BITS), usize::from(*code) % CODED);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
@@ -264,20 +222,18 @@ impl Marks {
         piece: usize,
         balance: &mut Balance,
         kept: &[f64],
-        behind: &[u32],
     ) {
         let velocities = pass.storage.velocities();
         // Of each population, what was added.
         let mut sums = [0.0; MAX_Q];
-        let links = self.of_piece(piece);
-        for n in links.clone() {
+        for n in self.of_piece(piece) {
             let (node, i) = self.link_of(piece, n);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
-                let more = match (kept.get(n), behind.get(n - links.start)) {
-                    (Some(more), _) => *more,
-                    (None, Some(behind)) => self.interpolated(view, (node, i), n, *behind as usize),
-                    (None, None) => 0.0,
+                let more = match kept.get(n) {
+                    Some(more) => *more,
+                    None if self.interpolate() => self.interpolated(view, (node, i), n),
+                    None => 0.0,
                 };
                 balance.gained += more;
                 let added = more + self.pushes.get(n).copied().unwrap_or(0.0);

@@ -6,7 +6,6 @@
 //! of the link into that one; then what is added is found for all links before any is changed.
 
 use crate::links::Cut;
-use crate::packed::Packed;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use crate::terms::Terms;
@@ -24,10 +23,9 @@ pub struct Marks {
     pub codes: Vec<u16>,
     /// What a sliding wall adds; empty where no wall slides.
     pub pushes: Vec<f64>,
-    /// Where the node behind has the population that comes back ([`Cut::behind`]): where this node finds the one that goes out before
-    /// an odd step, as the number of its part of the batch ([`Packed::part`]).
-    pub behind: Vec<u8>,
-    /// The share of what arrives, and what a swelling wall would add; empty where no link is interpolated, as is `behind`.
+    /// Where the node behind has the population that comes back ([`Cut::behind`]); empty where no link is interpolated.
+    pub behind: Vec<u32>,
+    /// The share of what arrives, and what a swelling wall would add; empty as `behind` is.
     pub terms: Terms,
     /// The share of what leaves; empty where it is that of what arrives, less than nothing.
     pub leaving: Vec<f64>,
@@ -40,17 +38,17 @@ pub struct Marks {
 
 impl Marks {
     /// From all links into walls, `(home, direction)`, what sliding adds to each (or nothing at all), and those that are cut, in the
-    /// same order. The links of a batch are seen to together.
+    /// same order. `piece` is the number of nodes whose links are seen to together.
     pub fn new(
         storage: &Storage,
-        packed: &Packed,
         links: impl Iterator<Item = (usize, u8)>,
         pushes: &[f64],
         cuts: &[Cut],
+        piece: usize,
     ) -> Self {
         const { assert!(MAX_Q <= CODED) }
         let arrays = storage.arrays();
-        let (piece, mut terms) = (packed.batch(), Vec::new());
+        let mut terms = Vec::new();
         let mut marks = Self {
             piece,
             first: vec![0],
@@ -76,7 +74,9 @@ impl Marks {
             if cuts.is_empty() {
                 continue;
             }
-            marks.behind.push(packed.part(node, opposite(i)));
+            marks
+                .behind
+                .push(cut.map_or(arrays[opposite(i)] + node, |c| c.behind) as u32);
             let shares = cut.map_or([0.0; 2], |c| [c.shares.arriving, c.shares.leaving]);
             marks.clash |= cut.is_none_or(|c| c.behind == c.near) && shares != [0.0; 2];
             let swell = cut.filter(|_| shares != [0.0; 2]).map_or(0.0, |c| c.swell);
@@ -85,10 +85,10 @@ impl Marks {
                 marks.leaving.push(shares[1]);
             }
         }
-        marks.terms = Terms::new(&terms);
         marks.first.push(marks.codes.len() as u32);
-        marks.codes.shrink_to_fit();
+        marks.terms = Terms::new(&terms);
         marks.behind.shrink_to_fit();
+        marks.codes.shrink_to_fit();
         marks.first.shrink_to_fit();
         for numbers in [&mut marks.pushes, &mut marks.leaving] {
             numbers.shrink_to_fit();
@@ -162,13 +162,13 @@ impl Marks {
 
     /// Nodes of a slab, a multiple of `unit` and at least `least`, such that what is behind a node stands no further than in the next
     /// slab, but for those of the first slab and the last three; all `nodes` if there is no such number.
-    pub fn slab(&self, storage: &Storage, packed: &Packed, least: usize, unit: usize) -> usize {
-        let (arrays, nodes) = (storage.arrays(), packed.nodes());
+    pub fn slab(&self, storage: &Storage, nodes: usize, least: usize, unit: usize) -> usize {
+        let arrays = storage.arrays();
         let pairs = || {
-            let pairs = self.all().take(self.behind.len());
+            let pairs = self.all().zip(&self.behind);
             // Where no node is behind it is a place of the node itself.
-            pairs.filter_map(|(node, i)| {
-                let behind = packed.place(storage, node, opposite(i));
+            pairs.filter_map(|((node, i), behind)| {
+                let behind = *behind as usize;
                 (behind != arrays[opposite(i)] + node).then(|| (node, behind - arrays[i]))
             })
         };

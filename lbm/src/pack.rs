@@ -79,7 +79,7 @@ impl Packing {
         links.fractions = Vec::new();
         self.packed.links = walls.len();
         let walls = walls.iter().map(|l| l.home).zip(directions);
-        links.marks = Marks::new(maker.storage, &self.packed, walls, &pushes, &cuts);
+        links.marks = Marks::new(maker.storage, walls, &pushes, &cuts, self.packed.batch());
         self.packed.shrink();
         links.packed = Some(self.packed);
     }

@@ -20,9 +20,6 @@ use std::ops::Range;
 /// How many batches before its own a batch is asked for.
 const EARLY: usize = 2;
 
-/// In place of the number of a part of a batch that a byte does not hold, or of which there is none.
-const FAR: u8 = u8::MAX;
-
 /// Numbers and places of packed nodes.
 pub struct Packed {
     /// Number of the first node of each run, and the number of nodes.
@@ -163,36 +160,6 @@ impl Packed {
         &self.sources[batch * slots..][..slots]
     }
 
-    /// Sources of the further parts of a batch.
-    fn others_of(&self, batch: usize) -> &[u32] {
-        &self.other_sources[self.first_other[batch] as usize..self.first_other[batch + 1] as usize]
-    }
-
-    /// Adds to `places` where nodes of a batch find populations before an odd step, each by its node counted in the batch, population
-    /// and part ([`Packed::part`]).
-    #[inline(always)]
-    pub fn add_places(
-        &self,
-        storage: &Storage,
-        batch: usize,
-        wanted: impl Iterator<Item = (usize, usize, u8)>,
-        places: &mut Vec<u32>,
-    ) {
-        let (main, others) = (self.sources_of(batch), self.others_of(batch));
-        let shift = lanes(self.precision).trailing_zeros();
-        places.extend(wanted.map(|(at, i, part)| {
-            if part == FAR {
-                return self.place(storage, batch * self.batch() + at, i) as u32;
-            }
-            let (list, n) = if part == 0 {
-                (main, (i - 1) * BLOCKS + (at >> shift))
-            } else {
-                (others, usize::from(part) - 1)
-            };
-            list[n].wrapping_add((at & ((1 << shift) - 1)) as u32)
-        }));
-    }
-
     pub fn of(&self, batch: usize) -> Batch<'_> {
         let (slots, bytes) = ((self.q - 1) * BLOCKS, lanes(self.precision) / 8);
         let others = |n: usize| self.first_other[n] as usize..self.first_other[n + 1] as usize;
@@ -224,33 +191,18 @@ impl Packed {
             return storage.arrays()[0] + node;
         }
         let lanes = lanes(self.precision);
-        let (batch, at) = (node / self.batch(), node % self.batch());
-        let (slot, lane) = ((i - 1) * BLOCKS + at / lanes, at % lanes);
-        let source = match self.find(node, i) {
-            Some(0) => self.sources_of(batch)[slot],
-            Some(n) => self.others_of(batch)[n - 1],
-            None => 0,
-        };
-        source.wrapping_add(lane as u32) as usize
-    }
-
-    /// In which part of its batch node `node` finds population `i`, not 0: 0 for the fullest of its block, or the number of a further one,
-    /// from 1 on. [`FAR`] stands for those from there on.
-    pub fn part(&self, node: usize, i: usize) -> u8 {
-        self.find(node, i).map_or(FAR, |n| n.min(usize::from(FAR)) as u8)
-    }
-
-    fn find(&self, node: usize, i: usize) -> Option<usize> {
-        let lanes = lanes(self.precision);
         let (batch, at) = (self.of(node / self.batch()), node % self.batch());
         let (block, lane) = (at / lanes, at % lanes);
+        let slot = (i - 1) * BLOCKS + block;
         let has = |parts: &Parts, n: usize| parts.mask(n, lanes) >> lane & 1 == 1;
-        if has(&batch.main, (i - 1) * BLOCKS + block) {
-            return Some(0);
-        }
-        let mut others = batch.slots.iter().enumerate();
-        let here = others.find(|(n, s)| usize::from(**s) == i * APART + block && has(&batch.others, *n));
-        here.map(|(n, _)| n + 1)
+        let source = if has(&batch.main, slot) {
+            batch.main.sources[slot]
+        } else {
+            let mut others = batch.slots.iter().enumerate();
+            let here = others.find(|(n, s)| usize::from(**s) == i * APART + block && has(&batch.others, *n));
+            here.map_or(0, |(n, _)| batch.others.sources[n])
+        };
+        source.wrapping_add(lane as u32) as usize
     }
 
     /// Which lanes of each block of a batch are among `nodes`.

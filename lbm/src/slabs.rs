@@ -81,14 +81,15 @@ impl Fluid {
         let Some(packed) = &self.links.packed else { return 0 };
         let populations = self.storage.velocities().q() * self.storage.precision().bytes();
         let unit = packed.batch() * PIECE;
-        self.links.marks.slab(&self.storage, packed, SLAB / populations, unit)
+        self.links
+            .marks
+            .slab(&self.storage, packed.nodes(), SLAB / populations, unit)
     }
 
     /// What the pass over links has to know of a step, odd or not.
     pub(crate) fn pass(&self, odd: bool) -> Pass<'_> {
         Pass {
             storage: &self.storage,
-            packed: self.links.packed.as_ref(),
             odd,
             shrink: self.shrink,
             tally: self.drive.is_flux(),
