@@ -6,6 +6,7 @@ use crate::marks::{BITS, CODED, Marks};
 use crate::simd::prefetch;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
+use crate::terms::Terms;
 use std::ops::Range;
 
 /// How many links before its own the place behind is asked for.
@@ -30,7 +31,7 @@ struct View<S> {
     own: [usize; CODED],
     opposite: [usize; CODED],
     odd: bool,
-    /// By how much of its unit each wall gives way.
+    /// Velocity, lattice units, by which interpolated walls give way.
     shrink: f64,
 }
 
@@ -50,7 +51,7 @@ impl Marks {
             own: [0; CODED],
             opposite: [0; CODED],
             odd: pass.odd,
-            shrink: pass.shrink * self.unit,
+            shrink: pass.shrink,
         };
         for i in 0..q {
             view.own[i] = arrays[i];
@@ -70,14 +71,15 @@ impl Marks {
             // Where a wall is behind, what left this one waits at that one in either step.
             let (near, far) = (view.get(view.opposite[i] + node), view.get(self.behind[n] as usize));
             let (arriving, leaving) = if view.odd { (near, far) } else { (far, near) };
+            let [share, swell] = self.terms.of(n);
             let more = match self.leaving.get(n) {
-                None => self.arriving[n] * (arriving - leaving),
-                Some(share) => {
+                None => share * (arriving - leaving),
+                Some(other) => {
                     let own = view.get(view.own[i] + node);
-                    self.arriving[n] * (arriving - own) + share * (leaving - own)
+                    share * (arriving - own) + other * (leaving - own)
                 }
             };
-            more - view.shrink * f64::from(self.swells[n])
+            more - view.shrink * swell
         }
     }
 
@@ -166,22 +168,41 @@ impl Marks {
     /// As for [`Marks::add`].
     #[inline(always)]
     unsafe fn add_plainly<S: Element>(&self, view: &View<S>, piece: usize) -> f64 {
+        let links = self.of_piece(piece);
+        // SAFETY: the caller's.
+        unsafe {
+            match &self.terms {
+                Terms::Few { numbers, pairs } => {
+                    let terms = numbers[links].iter().map(|number| pairs[usize::from(*number)]);
+                    self.add_terms(view, piece, terms)
+                }
+                Terms::Many { shares, swells, units } => {
+                    let both = shares[links.clone()].iter().zip(&swells[links]);
+                    let terms = both.map(|(share, swell)| [f64::from(*share) * units[0], f64::from(*swell) * units[1]]);
+                    self.add_terms(view, piece, terms)
+                }
+            }
+        }
+    }
+
+    /// The same with the terms of its links.
+    #[inline(always)]
+    unsafe fn add_terms<S: Element>(&self, view: &View<S>, piece: usize, terms: impl Iterator<Item = [f64; 2]>) -> f64 {
         let (links, base) = (self.of_piece(piece), piece * self.piece);
         let later = self.behind[links.start..].iter().skip(AHEAD);
         for behind in later.take(links.len()) {
             prefetch(view.data.wrapping_add(*behind as usize));
         }
         let codes = self.codes[links.clone()].iter();
-        let shares = self.arriving[links.clone()].iter().zip(&self.swells[links.clone()]);
         // Turned round, the difference of what arrives and what leaves.
         let sign = if view.odd { -1.0 } else { 1.0 };
         let mut gained = 0.0;
-        for ((code, behind), (share, swell)) in codes.zip(&self.behind[links]).zip(shares) {
+        for ((code, behind), [share, swell]) in codes.zip(&self.behind[links]).zip(terms) {
             let (node, i) = (base + usize::from(*code >> BITS), usize::from(*code) % CODED);
             // SAFETY: the place is this link's; the rest is the caller's.
             unsafe {
                 let across = view.get(*behind as usize) - view.get(view.opposite[i] + node);
-                let more = share * (sign * across) - view.shrink * f64::from(*swell);
+                let more = share * (sign * across) - view.shrink * swell;
                 gained += more;
                 let place = view.data.add(view.own[i] + node);
                 *place = S::near((*place).get() + more);

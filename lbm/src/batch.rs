@@ -110,7 +110,7 @@ impl Step<'_> {
             let bytes = packed.precision.bytes() as isize;
             for (run, part) in packed.runs(&self.links.runs, nodes) {
                 let row = &self.links.rows[packed.rows[run] as usize];
-                let shift = packed.starts[run] as isize - (first + self.links.runs[run].start) as isize;
+                let shift = packed.starts[run] as isize - (first + self.links.run(run).start) as isize;
                 let places: Places = places.map(|p| p.wrapping_offset(shift * bytes));
                 let work = Work {
                     kernel: self.kernel,
@@ -119,7 +119,8 @@ impl Step<'_> {
                 };
                 // SAFETY: as above.
                 unsafe {
-                    let inside = self.inside.row(row.j, row.k);
+                    let [j, k] = row.at();
+                    let inside = self.inside.row(j, k);
                     self.part(row, &part, self.is_touched(row), inside, work, &mut balance);
                 }
             }

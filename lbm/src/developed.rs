@@ -44,7 +44,7 @@ impl Developed {
             (node[axes[0]], node[axes[1]]) = (m % shape[0], m / shape[0]);
             node
         };
-        let solid = |n: [usize; 3]| maker.mask.row(n[1], n[2])[n[0]];
+        let solid = |n: [usize; 3]| maker.mask.is_solid_at(n);
         let arms: Vec<Option<[[Arm; 2]; 2]>> = (0..shape[0] * shape[1])
             .map(|m| {
                 let node = node(m);
@@ -153,7 +153,7 @@ fn arm(maker: &Maker, node: [usize; 3], axis: usize, step: isize, number: impl F
     }
     let mut beside = node;
     beside[axis] = s.rem_euclid(n) as usize;
-    if !maker.mask.row(beside[1], beside[2])[beside[0]] {
+    if !maker.mask.is_solid_at(beside) {
         return Arm::Node(number(beside));
     }
     if !maker.rule.interpolates() {

@@ -30,7 +30,7 @@ impl Interpolate<'_> {
     /// # Safety
     /// All rows have taken the step, no two threads may work on the same row, and nothing else may touch the populations.
     pub unsafe fn rows(&self, first: usize, balances: &mut [Balance]) {
-        for (row, balance) in self.links.rows[first..].iter().zip(balances) {
+        for (row, balance) in self.links.row_links[first..].iter().zip(balances) {
             balance.gained = 0.0;
             for cut in &self.links.cuts[row.cuts.clone()] {
                 let (own, to) = if self.odd {

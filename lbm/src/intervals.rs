@@ -57,12 +57,12 @@ impl Intervals {
             for j in -1..=ny {
                 used.clear();
                 if (0..ny).contains(&j) && (0..nz).contains(&k) {
-                    add_runs(mask.row(j as usize, k as usize), 0, &mut used);
+                    add_runs(mask, [j, k], 0, &mut used);
                 }
                 if wrapped(grid, j, k) == [j, k] {
                     let [sj, sk] = wrapped_source(grid, j - cy, k - cz);
                     if (0..ny).contains(&sj) && (0..nz).contains(&sk) {
-                        add_runs(mask.row(sj as usize, sk as usize), cx, &mut used);
+                        add_runs(mask, [sj, sk], cx, &mut used);
                     }
                 }
                 used.sort_unstable();
@@ -85,7 +85,7 @@ impl Intervals {
             for j in -1..=ny {
                 used.clear();
                 if (0..ny).contains(&j) && (0..nz).contains(&k) {
-                    add_runs(mask.row(j as usize, k as usize), 0, &mut used);
+                    add_runs(mask, [j, k], 0, &mut used);
                 }
                 for &[start, end] in &used {
                     all.starts.push([start as i32, (all.len as isize - start) as i32]);
@@ -139,13 +139,7 @@ fn wrapped_source(grid: &Grid, j: isize, k: isize) -> [isize; 2] {
 }
 
 /// Adds the fluid runs of a row, shifted.
-fn add_runs(solid: &[bool], shift: isize, used: &mut Vec<[isize; 2]>) {
-    let mut x = shift;
-    for part in solid.chunk_by(|a, b| a == b) {
-        let end = x + part.len() as isize;
-        if !part[0] {
-            used.push([x, end]);
-        }
-        x = end;
-    }
+fn add_runs(mask: &Mask, [j, k]: [isize; 2], shift: isize, used: &mut Vec<[isize; 2]>) {
+    let runs = mask.fluid_runs(j as usize, k as usize);
+    used.extend(runs.map(|run| [run.start as isize + shift, run.end as isize + shift]));
 }

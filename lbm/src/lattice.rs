@@ -162,9 +162,10 @@ impl Lattice for Fluid {
         };
         let unit = self.velocity_unit();
         for row in &self.links.rows {
-            for run in row.runs.clone() {
-                let nodes = self.links.runs[run].clone();
-                let start = (row.k * ny + row.j) * nx + nodes.start;
+            let [j, k] = row.at();
+            for run in row.runs() {
+                let nodes = self.links.run(run);
+                let start = (k * ny + j) * nx + nodes.start;
                 let range = start..start + nodes.len();
                 let [x, y, z] = all.velocity.each_mut().map(|v| &mut v[range.clone()]);
                 let pressure = &mut all.pressure[range.clone()];
@@ -347,8 +348,9 @@ impl Fluid {
 
     fn check_row(&self, row: &Row) -> Option<FluidError> {
         const PIECE: usize = 64;
-        let pieces = row.runs.clone().flat_map(|run| {
-            let nodes = self.links.runs[run].clone();
+        let [j, k] = row.at();
+        let pieces = row.runs().flat_map(|run| {
+            let nodes = self.links.run(run);
             let end = nodes.end;
             nodes
                 .step_by(PIECE)
@@ -368,7 +370,7 @@ impl Fluid {
                     continue;
                 };
                 return Some(FluidError::Diverged {
-                    node: [nodes.start + i, row.j, row.k],
+                    node: [nodes.start + i, j, k],
                     step: self.steps,
                     what,
                 });

@@ -14,6 +14,7 @@
 
 mod adding;
 mod batch;
+mod bits;
 mod choice;
 mod collide;
 mod developed;
@@ -58,6 +59,7 @@ mod step;
 mod storage;
 mod surface;
 mod sweep;
+mod terms;
 mod thermal;
 mod trt;
 

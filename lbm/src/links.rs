@@ -58,11 +58,37 @@ pub struct Side {
     pub fraction: f64,
 }
 
-/// A row with fluid nodes: where its parts stand in the lists of [`Links`].
+/// A row with fluid nodes. Neither nodes nor runs are more than numbers of 32 bits count ([`Storage::fits`]).
 pub struct Row {
-    pub j: usize,
-    pub k: usize,
-    pub runs: Range<usize>,
+    at: [u32; 2],
+    runs: [u32; 2],
+}
+
+impl Row {
+    /// Row (`j`, `k`), and where its runs stand in the list of [`Links`].
+    pub fn new(at: [usize; 2], runs: Range<usize>) -> Self {
+        Self {
+            at: at.map(|n| n as u32),
+            runs: [runs.start as u32, runs.end as u32],
+        }
+    }
+
+    /// Its place along y and z.
+    #[inline(always)]
+    pub fn at(&self) -> [usize; 2] {
+        self.at.map(|n| n as usize)
+    }
+
+    /// Its runs.
+    #[inline(always)]
+    pub fn runs(&self) -> Range<usize> {
+        self.runs[0] as usize..self.runs[1] as usize
+    }
+}
+
+/// Where the links of a row stand in the lists of [`Links`].
+#[derive(Clone)]
+pub struct RowLinks {
     pub walls: Range<usize>,
     pub cuts: Range<usize>,
     pub wraps_out: Range<usize>,
@@ -76,8 +102,10 @@ pub const NO_ROW: u32 = u32::MAX;
 #[derive(Default)]
 pub struct Links {
     pub rows: Vec<Row>,
+    /// The links of each row; empty where nodes are packed.
+    pub row_links: Vec<RowLinks>,
     /// Fluid nodes `start..end` of a row.
-    pub runs: Vec<Range<usize>>,
+    pub runs: Vec<[u32; 2]>,
     /// Where node 0 of the row of each run finds its populations in an even step, then in an odd one; see
     /// [`Links::places`].
     pub places: Vec<i32>,
@@ -118,6 +146,18 @@ pub struct Links {
 }
 
 impl Links {
+    /// Fluid nodes of a run, counted along its row.
+    #[inline(always)]
+    pub fn run(&self, run: usize) -> Range<usize> {
+        let [start, end] = self.runs[run];
+        start as usize..end as usize
+    }
+
+    /// Fluid nodes of a row.
+    pub fn nodes(&self, row: &Row) -> impl Iterator<Item = usize> + use<'_> {
+        row.runs().flat_map(|run| self.run(run))
+    }
+
     /// Where node 0 of the row of a run finds its incoming populations, and leaves the outgoing ones at the opposite place:
     /// at home before an even step, in the neighbours before an odd one, there in the array of the opposite population.
     #[inline(always)]
@@ -132,7 +172,7 @@ impl Links {
         let (arrays, data) = (storage.arrays(), storage.data());
         let bytes = storage.precision().bytes() as isize;
         if let Some(packed) = &self.packed {
-            let shift = packed.starts[run] as isize - self.runs[run].start as isize;
+            let shift = packed.starts[run] as isize - self.runs[run][0] as isize;
             *to = packed.own(storage, 0).map(|p| p.wrapping_offset(shift * bytes));
             return;
         }
@@ -161,6 +201,7 @@ impl Links {
         self.packed.as_ref().map_or(self.rows.len(), Packed::batches)
     }
 
+    /// Lengths of the lists of runs, walls, cuts and wraps.
     pub(crate) fn ends(&self) -> [usize; 5] {
         [
             self.runs.len(),
@@ -178,14 +219,8 @@ impl Links {
         self.fractions.extend(fraction);
     }
 
-    pub(crate) fn add_runs(&mut self, solid: &[bool]) {
-        let mut x = 0;
-        for part in solid.chunk_by(|a, b| a == b) {
-            if !part[0] {
-                self.runs.push(x..x + part.len());
-            }
-            x += part.len();
-        }
+    pub(crate) fn add_runs(&mut self, runs: impl Iterator<Item = Range<usize>>) {
+        self.runs.extend(runs.map(|run| [run.start as u32, run.end as u32]));
     }
 
     /// Takes from what moving walls add what it adds to the mass, in proportion to the weights. Halfway walls are left as

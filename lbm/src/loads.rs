@@ -86,8 +86,8 @@ impl<'a> Loads<'a> {
             links, storage, mask, ..
         } = self.fluid;
         let nodes = links.rows.iter().flat_map(move |row| {
-            let nodes = links.runs[row.runs.clone()].iter().cloned().flatten();
-            nodes.map(move |x| [x, row.j, row.k])
+            let [j, k] = row.at();
+            links.nodes(row).map(move |x| [x, j, k])
         });
         nodes.flat_map(move |node| {
             (1..storage.velocities().q())

@@ -2,7 +2,7 @@
 
 use crate::developed::Developed;
 use crate::faces::Faces;
-use crate::links::{Cut, Link, Links, NO_ROW, Row, Side};
+use crate::links::{Cut, Link, Links, NO_ROW, Row, RowLinks, Side};
 use crate::mask::Mask;
 use crate::pack::Packing;
 use crate::rule::{CutLink, LinkRule, Shares};
@@ -77,7 +77,7 @@ impl<'a> Maker<'a> {
         for k in 0..nz {
             for j in 0..ny {
                 let starts = links.ends();
-                links.add_runs(self.mask.row(j, k));
+                links.add_runs(self.mask.fluid_runs(j, k));
                 if links.runs.len() == starts[0] {
                     continue;
                 }
@@ -87,20 +87,17 @@ impl<'a> Maker<'a> {
                 }
                 links.row_at[k * ny + j] = links.rows.len() as u32;
                 let ends = links.ends();
+                let range = |n: usize| starts[n]..ends[n];
+                links.rows.push(Row::new([j, k], range(0)));
                 // Packed nodes keep no other lists.
-                let range = |n: usize| match packing {
-                    Some(_) if n > 0 => 0..0,
-                    _ => starts[n]..ends[n],
-                };
-                links.rows.push(Row {
-                    j,
-                    k,
-                    runs: range(0),
-                    walls: range(1),
-                    cuts: range(2),
-                    wraps_out: range(3),
-                    wraps_in: range(4),
-                });
+                if packing.is_none() {
+                    links.row_links.push(RowLinks {
+                        walls: range(1),
+                        cuts: range(2),
+                        wraps_out: range(3),
+                        wraps_in: range(4),
+                    });
+                }
             }
         }
         for (node, i, rim) in thin {
@@ -124,7 +121,7 @@ impl<'a> Maker<'a> {
     /// Links and places of a row with the runs from number `first` on.
     fn add_row(&self, j: usize, k: usize, first: usize, links: &mut Links) {
         for run in first..links.runs.len() {
-            for x in links.runs[run].clone() {
+            for x in links.run(run) {
                 self.add_incoming([x, j, k], links);
             }
         }
@@ -183,7 +180,7 @@ impl<'a> Maker<'a> {
     /// Places of the runs from number `first` on.
     fn add_places(&self, j: usize, k: usize, first: usize, links: &mut Links) {
         for run in first..links.runs.len() {
-            let x = links.runs[run].start as isize;
+            let x = links.run(run).start as isize;
             for i in 0..links.q {
                 links
                     .places

@@ -8,6 +8,7 @@
 use crate::links::Cut;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
+use crate::terms::Terms;
 use std::ops::Range;
 
 /// Bits of a code that say which population comes back; the others say which node of its piece the link is of.
@@ -22,12 +23,10 @@ pub struct Marks {
     pub codes: Vec<u16>,
     /// What a sliding wall adds; empty where no wall slides.
     pub pushes: Vec<f64>,
-    /// Where the node behind has the population that comes back ([`Cut::behind`]), the share of what arrives, and what a swelling wall
-    /// would add in parts of `unit`; empty where no link is interpolated.
+    /// Where the node behind has the population that comes back ([`Cut::behind`]); empty where no link is interpolated.
     pub behind: Vec<u32>,
-    pub arriving: Vec<f64>,
-    pub swells: Vec<i32>,
-    pub unit: f64,
+    /// The share of what arrives, and what a swelling wall would add; empty as `behind` is.
+    pub terms: Terms,
     /// The share of what leaves; empty where it is that of what arrives, less than nothing.
     pub leaving: Vec<f64>,
     /// Whether links read each other's places.
@@ -49,10 +48,9 @@ impl Marks {
     ) -> Self {
         const { assert!(MAX_Q <= CODED) }
         let arrays = storage.arrays();
-        let most = cuts.iter().map(|c| c.swell.abs()).fold(0.0, f64::max);
+        let mut terms = Vec::new();
         let mut marks = Self {
             piece,
-            unit: most / f64::from(i32::MAX),
             first: vec![0],
             ..Self::default()
         };
@@ -81,21 +79,18 @@ impl Marks {
                 .push(cut.map_or(arrays[opposite(i)] + node, |c| c.behind) as u32);
             let shares = cut.map_or([0.0; 2], |c| [c.shares.arriving, c.shares.leaving]);
             marks.clash |= cut.is_none_or(|c| c.behind == c.near) && shares != [0.0; 2];
-            marks.arriving.push(shares[0]);
+            let swell = cut.filter(|_| shares != [0.0; 2]).map_or(0.0, |c| c.swell);
+            terms.push([shares[0], swell]);
             if !opposed {
                 marks.leaving.push(shares[1]);
             }
-            let swell = cut
-                .filter(|_| shares != [0.0; 2] && most > 0.0)
-                .map_or(0.0, |c| c.swell / marks.unit);
-            marks.swells.push(swell.round() as i32);
         }
         marks.first.push(marks.codes.len() as u32);
-        marks.codes.shrink_to_fit();
+        marks.terms = Terms::new(&terms);
         marks.behind.shrink_to_fit();
-        marks.swells.shrink_to_fit();
+        marks.codes.shrink_to_fit();
         marks.first.shrink_to_fit();
-        for numbers in [&mut marks.pushes, &mut marks.arriving, &mut marks.leaving] {
+        for numbers in [&mut marks.pushes, &mut marks.leaving] {
             numbers.shrink_to_fit();
         }
         marks
@@ -113,7 +108,7 @@ impl Marks {
 
     /// Whether any of them is interpolated.
     pub fn interpolate(&self) -> bool {
-        !self.arriving.is_empty()
+        !self.behind.is_empty()
     }
 
     /// Number of links of which it has to be kept what is added: all or none. None where nobody's place is read before and after
@@ -128,10 +123,10 @@ impl Marks {
 
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
-        let numbers = [&self.pushes, &self.arriving, &self.leaving];
+        let numbers = [&self.pushes, &self.leaving];
         size_of_val(&*self.codes)
             + size_of_val(&*self.behind)
-            + size_of_val(&*self.swells)
+            + self.terms.bytes()
             + size_of_val(&*self.first)
             + numbers.map(|n| size_of_val(&**n)).iter().sum::<usize>()
     }

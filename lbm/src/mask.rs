@@ -1,7 +1,9 @@
 //! Which nodes are solid, and how wide the gaps between walls are.
 
+use crate::bits::Bits;
 use crate::parallel;
 use lbm_ibm_coupling::{Boundary, FluidError, Grid, Vec3};
+use std::ops::Range;
 
 /// Fewest fluid nodes across a gap that carry a flow.
 const NEEDED: usize = 2;
@@ -23,9 +25,9 @@ pub enum NarrowGaps {
 /// Solid flags of the grid and of one ghost node around it.
 pub struct Mask {
     shape: [usize; 3],
-    solid: Vec<bool>,
+    solid: Bits,
     /// Nodes of the grid within a link's length of a wall.
-    close: Vec<bool>,
+    close: Bits,
     /// Which faces of the grid are walls: low and high end of each axis.
     pub walled: [[bool; 2]; 3],
     /// Number of nodes in the fluid.
@@ -53,11 +55,14 @@ impl Mask {
         }
         let mut mask = Self {
             shape: grid.shape,
-            solid: vec![true; (nx + 2) * (ny + 2) * (nz + 2)],
+            solid: Bits::new((nx + 2) * (ny + 2) * (nz + 2), true),
             walled: [[true; 2]; 3],
-            close: near.iter().flatten().map(|[_, close]| *close).collect(),
+            close: Bits::new(grid.len(), false),
             fluid_nodes: grid.len() - solid_nodes,
         };
+        for (n, [_, close]) in near.iter().flatten().enumerate() {
+            mask.close.put(n, *close);
+        }
         let home = |i: isize, a: usize| {
             let n = grid.shape[a] as isize;
             let inside = grid.periodic[a] || (0..n).contains(&i);
@@ -70,7 +75,7 @@ impl Mask {
                 };
                 for i in -1..=nx as isize {
                     let index = mask.index(i, j, k);
-                    mask.solid[index] = home(i, 0).is_none_or(|x| near[z * ny + y][x][0]);
+                    mask.solid.put(index, home(i, 0).is_none_or(|x| near[z * ny + y][x][0]));
                 }
             }
         }
@@ -85,27 +90,28 @@ impl Mask {
 
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
-        self.solid.len() + self.close.len()
+        self.solid.bytes() + self.close.bytes()
     }
 
     /// Pairs of a fluid node and a solid one beside it along an axis.
     pub fn wall_faces(&self) -> usize {
-        let [nx, ny, nz] = self.shape.map(|n| n as isize);
-        let row = |j: isize, k: isize| &self.solid[self.index(-1, j, k)..][..nx as usize + 2];
-        let between = |a: &[bool], b: &[bool]| a.iter().zip(b).filter(|(a, b)| a != b).count();
-        let (mut faces, inner) = (0, 1..nx as usize + 1);
-        for k in 0..nz {
-            for j in 0..ny {
-                let here = row(j, k);
-                faces += between(&here[1..], &here[..=nx as usize]);
-                faces += between(&here[inner.clone()], &row(j + 1, k)[inner.clone()]);
-                faces += between(&here[inner.clone()], &row(j, k + 1)[inner.clone()]);
-                // The other faces of the grid.
-                if j == 0 {
-                    faces += between(&here[inner.clone()], &row(-1, k)[inner.clone()]);
-                }
-                if k == 0 {
-                    faces += between(&here[inner.clone()], &row(j, -1)[inner.clone()]);
+        let shape = self.shape.map(|n| n as isize);
+        let mut faces = 0;
+        for k in 0..shape[2] {
+            for j in 0..shape[1] {
+                for i in 0..shape[0] {
+                    let node = [i, j, k];
+                    let solid = self.is_solid(i, j, k);
+                    for a in 0..3 {
+                        let mut beside = node;
+                        beside[a] += 1;
+                        faces += usize::from(self.is_solid(beside[0], beside[1], beside[2]) != solid);
+                        // The other faces of the grid.
+                        if node[a] == 0 {
+                            beside[a] = -1;
+                            faces += usize::from(self.is_solid(beside[0], beside[1], beside[2]) != solid);
+                        }
+                    }
                 }
             }
         }
@@ -119,18 +125,29 @@ impl Mask {
 
     /// Whether node (`i`, `j`, `k`), each from -1 to the number of nodes, is solid.
     pub fn is_solid(&self, i: isize, j: isize, k: isize) -> bool {
-        self.solid[self.index(i, j, k)]
+        self.solid.get(self.index(i, j, k))
     }
 
-    /// Solid flags of the nodes of row (`j`, `k`).
-    pub fn row(&self, j: usize, k: usize) -> &[bool] {
-        &self.solid[self.index(0, j as isize, k as isize)..][..self.shape[0]]
+    /// The same of a node of the grid.
+    pub fn is_solid_at(&self, [i, j, k]: [usize; 3]) -> bool {
+        self.is_solid(i as isize, j as isize, k as isize)
     }
 
-    /// Which nodes of row (`j`, `k`) are within a link's length of a wall.
-    pub fn close(&self, j: usize, k: usize) -> &[bool] {
-        let nx = self.shape[0];
-        &self.close[(k * self.shape[1] + j) * nx..][..nx]
+    /// Runs of fluid nodes of row (`j`, `k`).
+    pub fn fluid_runs(&self, j: usize, k: usize) -> impl Iterator<Item = Range<usize>> {
+        let (nx, first) = (self.shape[0], self.index(0, j as isize, k as isize));
+        let next = move |x: usize, solid: bool| (x..nx).find(|x| self.solid.get(first + x) == solid).unwrap_or(nx);
+        let mut end = 0;
+        std::iter::from_fn(move || {
+            let start = next(end, false);
+            end = next(start, true);
+            (start < nx).then_some(start..end)
+        })
+    }
+
+    /// Whether a node of the grid is within a link's length of a wall.
+    pub fn is_close(&self, [i, j, k]: [usize; 3]) -> bool {
+        self.close.get((k * self.shape[1] + j) * self.shape[0] + i)
     }
 
     /// The narrowest gap: its number of fluid nodes and its axis.
@@ -206,7 +223,7 @@ impl Mask {
             for j in images(1) {
                 for i in images(0) {
                     let index = self.index(i, j, k);
-                    self.solid[index] = true;
+                    self.solid.put(index, true);
                 }
             }
         }

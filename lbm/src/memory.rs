@@ -18,6 +18,7 @@ impl Links {
         let links = [&self.walls, &self.wraps_out, &self.wraps_in].map(|l| size_of_val(&**l));
         links.iter().sum::<usize>()
             + size_of_val(&*self.rows)
+            + size_of_val(&*self.row_links)
             + size_of_val(&*self.runs)
             + size_of_val(&*self.places)
             + size_of_val(&*self.row_at)

@@ -256,7 +256,7 @@ impl Packed {
     /// Runs that have nodes in a range, each with those, counted along the row.
     pub fn runs<'a>(
         &'a self,
-        runs: &'a [Range<usize>],
+        runs: &'a [[u32; 2]],
         nodes: &'a Range<usize>,
     ) -> impl Iterator<Item = (usize, Range<usize>)> + 'a {
         let first = self.first_run.get(nodes.start / self.batch()).copied().unwrap_or(0) as usize;
@@ -265,7 +265,7 @@ impl Packed {
             .skip_while(move |run| start(run + 1) <= nodes.start)
             .take_while(move |run| start(*run) < nodes.end)
             .map(move |run| {
-                let at = |node: usize| runs[run].start + (node - start(run));
+                let at = |node: usize| runs[run][0] as usize + (node - start(run));
                 (run, at(nodes.start.max(start(run)))..at(nodes.end.min(start(run + 1))))
             })
     }

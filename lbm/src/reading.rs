@@ -64,7 +64,7 @@ impl<'a> Pieces<'a> {
     fn next(&mut self, to: &mut [&mut [f64]; 3]) -> Option<Piece> {
         loop {
             for run in self.runs.by_ref() {
-                let all = &self.fluid.links.runs[run];
+                let all = self.fluid.links.run(run);
                 let (start, end) = (all.start.max(self.start), all.end.min(self.start + BRICK_EDGE));
                 if start < end {
                     return Some(Piece {
@@ -91,7 +91,7 @@ impl<'a> Pieces<'a> {
     fn look_up(&self) {
         let links = &self.fluid.links;
         for row in self.rows_of(self.begun - 1) {
-            let run = links.rows[row].runs.start;
+            let run = links.rows[row].runs().start;
             prefetch(&raw const links.runs[run]);
             if links.packed.is_none() {
                 let places = links.places(run, self.fluid.odd);
@@ -101,7 +101,7 @@ impl<'a> Pieces<'a> {
         }
         if self.begun < self.slots.len() {
             for row in self.rows_of(self.begun) {
-                prefetch(&raw const links.rows[row].runs);
+                prefetch(&raw const links.rows[row]);
             }
         }
     }
@@ -138,9 +138,9 @@ impl<'a> Pieces<'a> {
             return;
         }
         let links = &self.fluid.links;
-        self.runs = links.row_at(j, k).map_or(0..0, |row| links.rows[row].runs.clone());
+        self.runs = links.row_at(j, k).map_or(0..0, |row| links.rows[row].runs());
         let whole = self.runs.len() == 1 && {
-            let run = &links.runs[self.runs.start];
+            let run = links.run(self.runs.start);
             run.start <= x && x + BRICK_EDGE <= run.end
         };
         if !whole {

@@ -43,8 +43,8 @@ impl Fluid {
     /// What a state has to agree in with the fluid that takes it.
     fn shape_of_state(&self) -> [(&'static str, u64); 9] {
         let [nx, ny, nz] = self.grid.shape.map(|n| n as u64);
-        let runs = self.links.runs.iter().flat_map(|r| [r.start as u64, r.end as u64]);
-        let rows = self.links.rows.iter().flat_map(|r| [r.j as u64, r.k as u64]);
+        let runs = self.links.runs.iter().flatten().map(|x| u64::from(*x));
+        let rows = self.links.rows.iter().flat_map(|r| r.at().map(|n| n as u64));
         let hash = runs.chain(rows).fold(0xcbf2_9ce4_8422_2325_u64, |hash, n| {
             (hash ^ n).wrapping_mul(0x0100_0000_01b3)
         });
@@ -71,10 +71,10 @@ impl Fluid {
 
     /// Indices of all populations that a step reads, and of both ends of the links into walls; of packed nodes all that there are.
     fn places_of_state(&self) -> impl Iterator<Item = usize> {
-        let nodes = (0..self.links.runs.len()).flat_map(|run| self.links.runs[run].clone().map(move |x| (run, x)));
+        let nodes = (0..self.links.runs.len()).flat_map(|run| self.links.run(run).map(move |x| (run, x)));
         let (q, arrays) = (self.storage.velocities().q(), self.storage.arrays());
         let place = move |run: usize, i: usize, x: usize| match &self.links.packed {
-            Some(packed) => arrays[i] + packed.starts[run] as usize + (x - self.links.runs[run].start),
+            Some(packed) => arrays[i] + packed.starts[run] as usize + (x - self.links.run(run).start),
             None => self.incoming(run, i, x),
         };
         let populations = nodes.flat_map(move |(run, x)| (0..q).map(move |i| place(run, i, x)));

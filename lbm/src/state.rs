@@ -66,17 +66,16 @@ impl Fluid {
         self.owed = [0.0; 2];
         self.flow = None;
         for row in &self.links.rows {
-            for x in self.links.runs[row.runs.clone()].iter().cloned().flatten() {
-                let (u, gradient) = field(self.grid.position(x, row.j, row.k));
+            let [j, k] = row.at();
+            for x in self.links.nodes(row) {
+                let (u, gradient) = field(self.grid.position(x, j, k));
                 let momentum = std::array::from_fn(|a| u[a] - 0.5 * self.force[a][1]);
                 for i in 0..self.storage.velocities().q() {
                     let population = self.population(i, u, momentum, &gradient);
                     // SAFETY: the node is in the grid, and `self` is exclusive.
                     unsafe {
-                        self.storage.write(
-                            self.storage.index(i, x as isize, row.j as isize, row.k as isize),
-                            population,
-                        )
+                        self.storage
+                            .write(self.storage.index(i, x as isize, j as isize, k as isize), population)
                     };
                 }
             }
@@ -155,14 +154,15 @@ impl Fluid {
         }
         let mut kept = Vec::with_capacity(self.mask.fluid_nodes);
         for row in &self.links.rows {
-            for run in row.runs.clone() {
-                for x in self.links.runs[run].clone() {
+            let [j, k] = row.at();
+            for run in row.runs() {
+                for x in self.links.run(run) {
                     let mut populations = [0.0; MAX_Q];
                     for i in 0..self.storage.velocities().q() {
                         // SAFETY: the node is in the grid, and nothing writes now.
                         populations[i] = unsafe { self.storage.read(self.incoming(run, i, x)) };
                     }
-                    kept.push(([x, row.j, row.k], populations));
+                    kept.push(([x, j, k], populations));
                 }
             }
         }
@@ -172,7 +172,7 @@ impl Fluid {
     /// Index of the incoming population `i` of node `x` of a run.
     pub(crate) fn incoming(&self, run: usize, i: usize, x: usize) -> usize {
         if let Some(packed) = &self.links.packed {
-            let node = packed.starts[run] as usize + x - self.links.runs[run].start;
+            let node = packed.starts[run] as usize + x - self.links.run(run).start;
             return match self.odd {
                 true => packed.place(&self.storage, node, i),
                 false => self.storage.arrays()[i] + node,
@@ -185,7 +185,7 @@ impl Fluid {
     /// Density less 1 and momentum without force, lattice units, of the nodes `part` of a run, written to the start of
     /// `to`.
     pub(crate) fn moments(&self, run: usize, part: Range<usize>, to: [&mut [f64]; 4]) {
-        let all = &self.links.runs[run];
+        let all = self.links.run(run);
         assert!(all.start <= part.start && part.end <= all.end && to.iter().all(|t| t.len() >= part.len()));
         let to = to.map(|t| t.as_mut_ptr());
         match &self.links.packed {
@@ -244,8 +244,8 @@ impl Fluid {
     pub(crate) fn momentum(&self) -> [f64; 3] {
         let rows = crate::parallel::map(&self.links.rows, |row| {
             let mut sum = [0.0; 3];
-            for run in row.runs.clone() {
-                let nodes = self.links.runs[run].clone();
+            for run in row.runs() {
+                let nodes = self.links.run(run);
                 let mut moments: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; nodes.len()]);
                 self.moments(run, nodes, moments.each_mut().map(|m| m.as_mut_slice()));
                 for a in 0..3 {

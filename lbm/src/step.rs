@@ -5,7 +5,7 @@ use crate::drive::Balance;
 use crate::element::{Element, Half, Precision};
 use crate::isa::InstructionSet;
 use crate::kernel::Kernel;
-use crate::links::{Link, Links, Row};
+use crate::links::{Link, Links, Row, RowLinks};
 use crate::simd::MAX_LANES;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
@@ -92,22 +92,23 @@ impl Step<'_> {
     /// As for [`Step::rows`].
     #[inline]
     pub unsafe fn row(&self, row: usize, odd: bool, next: (usize, bool), ahead: &mut Ahead) -> Balance {
-        let row = &self.links.rows[row];
+        let (row, links) = (&self.links.rows[row], &self.links.row_links[row]);
         let mut balance = Balance::default();
-        let (touched, inside) = (self.is_touched(row), self.inside.row(row.j, row.k));
-        let next = (self.links.rows[next.0].runs.start, next.1);
-        for run in row.runs.clone() {
-            let next = if run + 1 < row.runs.end { (run + 1, odd) } else { next };
+        let [j, k] = row.at();
+        let (touched, inside) = (self.is_touched(row), self.inside.row(j, k));
+        let (runs, next) = (row.runs(), (self.links.rows[next.0].runs().start, next.1));
+        for run in runs.clone() {
+            let next = if run + 1 < runs.end { (run + 1, odd) } else { next };
             let work = self.look_ahead((run, odd), next, ahead);
             // SAFETY: the places of this run are ours.
-            unsafe { self.part(row, &self.links.runs[run], touched, inside, work, &mut balance) };
+            unsafe { self.part(row, &self.links.run(run), touched, inside, work, &mut balance) };
         }
         // SAFETY: ghosts and homes of this row are ours.
         unsafe {
             match self.storage.precision() {
-                Precision::F64 => self.pass_links::<f64>(row, odd, &mut balance),
-                Precision::F32 => self.pass_links::<f32>(row, odd, &mut balance),
-                Precision::F16 => self.pass_links::<Half>(row, odd, &mut balance),
+                Precision::F64 => self.pass_links::<f64>(links, odd, &mut balance),
+                Precision::F32 => self.pass_links::<f32>(links, odd, &mut balance),
+                Precision::F16 => self.pass_links::<Half>(links, odd, &mut balance),
             }
         }
         balance
@@ -142,7 +143,7 @@ impl Step<'_> {
             }
         }
         if let Some((thermal, noise)) = &self.thermal {
-            let at = [row.j, row.k];
+            let at = row.at();
             // SAFETY: the places of this run are the caller's, and its nodes have collided.
             unsafe {
                 match self.storage.precision() {
@@ -168,7 +169,7 @@ impl Step<'_> {
         Work {
             kernel: self.kernel,
             places: &ahead.places[here],
-            next: (&ahead.places[1 - here], self.links.runs[after.0].start),
+            next: (&ahead.places[1 - here], self.links.run(after.0).start),
         }
     }
 
@@ -219,8 +220,9 @@ impl Step<'_> {
 
     /// The slot of a brick of which bodies touch this row.
     fn slot(&self, brick: usize, row: &Row) -> Option<usize> {
-        let slot = self.bricks.slot([brick, row.j / BRICK_EDGE, row.k / BRICK_EDGE])?;
-        let bit = row.k % BRICK_EDGE * BRICK_EDGE + row.j % BRICK_EDGE;
+        let [j, k] = row.at();
+        let slot = self.bricks.slot([brick, j / BRICK_EDGE, k / BRICK_EDGE])?;
+        let bit = k % BRICK_EDGE * BRICK_EDGE + j % BRICK_EDGE;
         (self.bricks.rows(slot) >> bit & 1 == 1).then_some(slot)
     }
 
@@ -252,7 +254,8 @@ impl Step<'_> {
 
     /// Forces of the nodes `part` of a row, lattice units.
     fn gather(&self, row: &Row, part: &Range<usize>, force: &mut Forces, balance: &mut Balance) {
-        let within = (row.k % BRICK_EDGE * BRICK_EDGE + row.j % BRICK_EDGE) * BRICK_EDGE;
+        let [j, k] = row.at().map(|n| n % BRICK_EDGE);
+        let within = (k * BRICK_EDGE + j) * BRICK_EDGE;
         // One sum for each place in a brick, so that no addition waits for the one before.
         let mut sums = [[0.0; BRICK_EDGE]; 3];
         let mut x = part.start;
@@ -306,7 +309,7 @@ impl Step<'_> {
     }
 
     /// Home to ghost after an even step, ghost to home after an odd one.
-    unsafe fn pass_links<S: Element>(&self, row: &Row, odd: bool, balance: &mut Balance) {
+    unsafe fn pass_links<S: Element>(&self, row: &RowLinks, odd: bool, balance: &mut Balance) {
         let data = self.storage.data().cast::<S>();
         let ends = |link: &Link| {
             if odd {

@@ -148,15 +148,13 @@ impl Surface<'_> {
         let rows: Vec<[usize; 2]> = (0..nz).flat_map(|k| (0..ny).map(move |j| [j, k])).collect();
         let parts = parallel::map(&rows, |&[j, k]| {
             let mut part = Between::default();
-            let close = mask.close(j, k);
-            for x in (0..nx).filter(|&x| close[x]) {
+            for x in (0..nx).filter(|&x| mask.is_close([x, j, k])) {
                 let node = [x, j, k];
                 // One direction of each opposite pair.
                 for i in (1..self.velocities.q()).step_by(2) {
                     let Some(far) = self.in_grid(node, i) else { continue };
-                    let solid = |n: [usize; 3]| mask.row(n[1], n[2])[n[0]];
-                    match (solid(node), solid(far)) {
-                        (false, false) if mask.close(far[1], far[2])[far[0]] => {
+                    match (mask.is_solid_at(node), mask.is_solid_at(far)) {
+                        (false, false) if mask.is_close(far) => {
                             let cut = self.thin_cut(walls, node, far, i);
                             let rim = self.rim(walls, node, far, i, cut);
                             if cut.is_some() || rim.is_some() {

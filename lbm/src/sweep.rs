@@ -141,7 +141,7 @@ impl Sweep<'_> {
             return;
         };
         let number = |run: usize| packed.starts[run] as usize;
-        let nodes = number(links.rows[first].runs.start)..number(links.rows[last].runs.end);
+        let nodes = number(links.rows[first].runs().start)..number(links.rows[last].runs().end);
         // SAFETY: the caller's contract.
         unsafe {
             self.step.packed(packed, nodes.clone(), odd, buffer, |_, _| {});
