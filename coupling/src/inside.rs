@@ -1,11 +1,9 @@
 //! Which fluid nodes lie inside cells whose fluid is of another viscosity.
 
 mod cast;
-mod mixture;
 
 use crate::{BodyInfo, Grid, Soa3Ref};
 use cast::Caster;
-use mixture::Mixture;
 
 /// Steps between no part of a node's cube inside and all of it.
 pub const LEVELS: u16 = 64;
@@ -22,8 +20,6 @@ pub struct Inside {
     shape: [usize; 3],
     /// Inner viscosity over that of the fluid around, of each family of levels.
     ratios: Vec<f64>,
-    /// How the viscosity of each goes over into that around.
-    mixtures: Vec<Mixture>,
     /// By node, x fastest; empty where no cell has a viscosity of its own.
     level: Vec<u16>,
     /// Nodes of each row (`j + ny k`) that may be inside.
@@ -54,15 +50,15 @@ impl Inside {
         1 + self.ratios.len() * usize::from(LEVELS)
     }
 
-    /// Viscosity of a level over that of the fluid around. A cube that is cut by a surface resists a strain along the surface with the mean of both
-    /// viscosities, a shear across it with the mean of their inverses, and a node has one viscosity for both. As a function of the share
-    /// inside it is such that over all shares both are right: its mean is the mean of the two, the mean of its inverse that of their inverses. To that end it
-    /// passes beyond both of them a little, by no more than half of the lower one; that binds beyond ratios of 10, where the mean of the inverse comes out
-    /// lower than it should be.
+    /// Viscosity of a level over that of the fluid around. Across a surface it is the mean by the shares, since the fluid on
+    /// both sides is strained alike along it.
     pub fn ratio(&self, level: u16) -> f64 {
         match level.checked_sub(1) {
             None => 1.0,
-            Some(n) => self.mixtures[usize::from(n / LEVELS)].ratio(n % LEVELS + 1),
+            Some(n) => {
+                let ratio = self.ratios[usize::from(n / LEVELS)];
+                1.0 + (ratio - 1.0) * f64::from(n % LEVELS + 1) / f64::from(LEVELS)
+            }
         }
     }
 
@@ -88,7 +84,6 @@ impl Inside {
     pub fn copy_from(&mut self, other: &Self) {
         self.shape = other.shape;
         self.ratios.clone_from(&other.ratios);
-        self.mixtures.clone_from(&other.mixtures);
         self.level.clone_from(&other.level);
         self.extent.clone_from(&other.extent);
     }
@@ -102,7 +97,6 @@ impl Inside {
                 Some(family) => family,
                 None => {
                     self.ratios.push(ratio);
-                    self.mixtures.push(Mixture::new(ratio));
                     self.ratios.len() - 1
                 }
             };

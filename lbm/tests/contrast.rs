@@ -86,7 +86,7 @@ fn a_viscosity_that_cannot_be_is_refused() {
     let mut inside = Inside::new(&grid);
     inside.find(&grid, x.view(), std::iter::once((&body, 1e-3)));
     let error = fluid.set_inside(&inside).expect_err("too thin a fluid").to_string();
-    assert!(error.contains("below 0.5005"), "{error}");
+    assert!(error.contains("0.50010"), "{error}");
 }
 
 #[test]

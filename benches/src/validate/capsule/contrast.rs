@@ -1,14 +1,14 @@
 //! Capsules with another viscosity inside.
 
 use super::Material;
-use super::scene::Capsule;
 use super::steady::{Steady, capsule, material, steady, unbounded};
 use crate::Fault;
 use crate::reference::Table;
 use crate::scenes::side_by_side;
 use crate::validate::{Effort, Findings, Outcome};
 
-/// Law, viscosity ratio and capillary number of the rows that are run in full, and spacings a radius.
+/// Law, viscosity ratio and capillary number of the rows that are run in full, and spacings a radius: at 8 the inclination of the second one is
+/// 1.4 degrees off, an error of the first order.
 const FULL: &[(&str, f64, f64, f64)] = &[
     ("SK", 5.0, 0.1, 8.0),
     ("SK", 5.0, 0.2, 12.0),
@@ -18,12 +18,9 @@ const FULL: &[(&str, f64, f64, f64)] = &[
     ("SK", 0.2, 0.2, 8.0),
 ];
 /// The same of a quick run.
-const QUICK: &[(&str, f64, f64, f64)] = &[("SK", 2.0, 0.1, 5.0), ("SK", 5.0, 0.2, 5.0)];
+const QUICK: &[(&str, f64, f64, f64)] = &[("SK", 2.0, 0.1, 5.0)];
 /// Edge of the box in radii, and of the larger one that tells what the box does.
 const BOXES: [f64; 2] = [8.0, 12.0];
-
-/// Share of the usual step that a membrane bears whose nodes slip.
-const SLIPPING: f64 = 0.7;
 
 /// A capsule, and how it is computed.
 #[derive(Clone, Copy)]
@@ -53,17 +50,7 @@ fn run(jobs: &[Job], with_period: bool) -> Result<Vec<Found>, Fault> {
         .flat_map(|(radius, size)| jobs.iter().map(move |job| (job, job.radii[radius], size)))
         .collect();
     let found = side_by_side(&runs, |&(job, radius, size)| {
-        let usual = capsule(job.material, job.capillary, job.ratio, radius, size);
-        let capsule = if std::env::var("OLD").is_ok() {
-            usual
-        } else {
-            Capsule {
-                inset: 0.0,
-                slip: true,
-                strain_per_step: SLIPPING * usual.strain_per_step,
-                ..usual
-            }
-        };
+        let capsule = capsule(job.material, job.capillary, job.ratio, radius, size);
         steady(&capsule, job.settled, with_period)
     })?;
     let of = |part: usize, n: usize| found[part * jobs.len() + n];
@@ -110,12 +97,7 @@ pub fn capsule_shear_contrast(table: &Table, effort: Effort) -> Outcome {
                 ratio,
                 capillary,
                 settled: row.number("t_end")?.min(if effort.quick { 7.0 } else { 12.0 }),
-                radii: std::env::var("RADII")
-                    .ok()
-                    .map_or([if effort.quick { 3.0 } else { 4.0 }, radius], |v| {
-                        let mut v = v.split(',').map(|s| s.parse().unwrap());
-                        [v.next().unwrap(), v.next().unwrap()]
-                    }),
+                radii: [if effort.quick { 3.0 } else { 4.0 }, radius],
             });
         } else {
             findings.left_out += 1;
