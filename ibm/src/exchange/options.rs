@@ -45,8 +45,9 @@ impl DeltaExchange {
     /// membranes move faster, so that the longest stable step is shorter.
     ///
     /// Around a fluid of another viscosity ([`ImmersedBody::viscosity_ratio`]) nodes slip less the more viscous it is, and the markers sit on a parallel surface
-    /// in the more viscous of the two, 0.4 spacings deep for a ratio of 5 and three points: there the force meets the fluid that has to bear it. An error of the first order stays, by the fluid's own transition from one viscosity to the other. A surface bent
-    /// more sharply than that ends the run with [`ExchangeError::Fold`].
+    /// in the more viscous of the two, 0.4 spacings deep for a ratio of 5 and three points: there the force meets the fluid that has to bear it. An error of the
+    /// first order stays, by the fluid's own transition from one viscosity to the other. A surface bent more sharply than that ends the run with
+    /// [`ExchangeError::Fold`].
     ///
     /// The viscosities come with [`Exchange::set_viscosity`], which a scene calls; without it [`Exchange::set_bodies`] is the error [`ExchangeError::NoViscosity`].
     pub fn with_elastic_slip(mut self, slip: bool) -> Self {
