@@ -206,7 +206,7 @@ fn slip_wants_a_viscosity() {
     };
     let grid = Grid::new([16; 3], H, [true; 3]);
     let mut exchange = DeltaExchange::new(Kernel::RomaThree).with_elastic_slip(true);
-    let error = exchange.set_bodies(&[info.clone()], mesh.nodes(), &grid);
+    let error = exchange.set_bodies(std::slice::from_ref(&info), mesh.nodes(), &grid);
     assert!(
         matches!(error, Err(ExchangeError::NoViscosity { body: 7, .. })),
         "{error:?}"
