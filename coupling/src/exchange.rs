@@ -82,6 +82,16 @@ pub enum ExchangeError {
         /// Least radius, in grid spacings.
         least: f64,
     },
+    /// Nodes are to slip, and the viscosity by which they do is not known.
+    #[error(
+        "body {body}: its nodes slip by the fluid's viscosity, which is {viscosity} Pa s; call Exchange::set_viscosity before set_bodies, or switch the slip off"
+    )]
+    NoViscosity {
+        /// Body number.
+        body: u32,
+        /// The viscosity that the exchange was told, Pa s.
+        viscosity: f64,
+    },
     /// The exchange cannot make bodies rigid.
     #[error("body {body} is rigid, and this exchange has no rigid bodies: use lbm-ibm-ibm's, or another motion")]
     NoRigid {
@@ -102,8 +112,9 @@ pub trait Exchange: Any + Send {
     /// [`ExchangeError::GridTooSmall`].
     fn set_bodies(&mut self, bodies: &[BodyInfo], reference: Soa3Ref<'_>, grid: &Grid) -> Result<(), ExchangeError>;
 
-    /// Takes the dynamic viscosity (Pa s) of the fluid, before [`Exchange::set_bodies`]. By default it is of no use.
-    fn set_viscosity(&mut self, _viscosity: f64) {}
+    /// Takes the dynamic viscosity (Pa s) of the fluid around, and the numbers of the bodies with another one inside, with their inner viscosity over it; called
+    /// before [`Exchange::set_bodies`]. By default they are of no use.
+    fn set_viscosity(&mut self, _viscosity: f64, _inside: &[(u32, f64)]) {}
 
     /// Moves the markers to node positions `x` (m, unwrapped) and takes the bricks they touch into use.
     ///

@@ -249,7 +249,11 @@ impl Scene {
         let Some(fluid) = &mut self.fluid else {
             return Ok(());
         };
-        fluid.exchange.set_viscosity(fluid.lattice.viscosity());
+        let pairs = self.infos.iter().zip(&self.bodies);
+        let inside: Vec<_> = pairs
+            .filter_map(|(info, slot)| Some((info.id, slot.body.viscosity_ratio()?)))
+            .collect();
+        fluid.exchange.set_viscosity(fluid.lattice.viscosity(), &inside);
         fluid
             .exchange
             .set_bodies(&self.infos, self.reference.view(), fluid.lattice.grid())?;

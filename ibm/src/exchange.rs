@@ -2,13 +2,14 @@
 
 mod gaps;
 mod limit;
+mod options;
 
 use self::limit::with_slip;
-use crate::forcing::{End, Forcing};
+use crate::forcing::Forcing;
 use crate::inset::Inset;
 use crate::kernel::Kernel;
 use crate::placement::Placement;
-use crate::slip::Slip;
+use crate::slip::{Slip, Viscosities};
 use crate::stability::{inertial_step, node_radius, stable_step};
 use crate::subdivision::{Subdivision, edges, longest_edge};
 use crate::surface::{Markers, Surface};
@@ -58,6 +59,8 @@ pub struct DeltaExchange {
     elastic_slip: Option<Slip>,
     /// Of the fluid, Pa s.
     viscosity: f64,
+    /// Bodies with another one inside, and their viscosity over that of the fluid.
+    inside: Vec<(u32, f64)>,
     grid: Option<Grid>,
     nodes: usize,
     surfaces: Vec<Surface>,
@@ -81,6 +84,7 @@ impl DeltaExchange {
             elastic_inset: None,
             elastic_slip: None,
             viscosity: f64::INFINITY,
+            inside: Vec::new(),
             grid: None,
             nodes: 0,
             surfaces: Vec::new(),
@@ -92,100 +96,6 @@ impl DeltaExchange {
             scratch: Scratch::default(),
             rigid: Forcing::default(),
         }
-    }
-
-    /// The same with other markers.
-    pub fn with_markers(mut self, markers: Markers) -> Self {
-        self.markers = markers;
-        self
-    }
-
-    /// Whether the markers of rigid bodies sit inside their surface by [`Kernel::rigid_inset`] and have the slip of [`Kernel::rigid_slip`],
-    /// so that the body acts as large as it is in any flow; they do by default. Else they lie on the surface and do not slip.
-    pub fn with_inset(mut self, inset: bool) -> Self {
-        self.inset = inset;
-        self
-    }
-
-    /// Whether the markers of bodies with triangles that are not rigid sit inside their surface by
-    /// [`Kernel::hydrodynamic_shift`], so that their size and drag depend neither on the kernel nor on the grid; they do
-    /// not by default. A surface bent more sharply than that ends the run with [`ExchangeError::Fold`].
-    pub fn with_elastic_inset(mut self, inset: bool) -> Self {
-        self.elastic_inset = inset.then(Inset::default);
-        self
-    }
-
-    /// Whether nodes of surfaces that the fluid carries slip: along the surface they move ahead of the velocity that the kernel reads, by
-    /// [`Kernel::hydrodynamic_shift`] spacings times the tangential force on their area over the fluid's viscosity, which is what the kernel takes off the
-    /// kink of the velocity there; they do not by default. With it, and nodes on the surface itself, capsules that tread round deform as they
-    /// should to second order in the spacing, where an inset is right only if the fluid inside does not deform. It makes stiff
-    /// membranes move faster, so that the longest stable step is shorter. The viscosity is that of the fluid around: for a body with another one inside
-    /// use [`DeltaExchange::with_elastic_inset`].
-    pub fn with_elastic_slip(mut self, slip: bool) -> Self {
-        self.elastic_slip = slip.then(Slip::default);
-        self
-    }
-
-    /// Where the iteration that makes the fluid follow rigid bodies ends in each step: at this relative slip
-    /// ([`DeltaExchange::rigid_slip`]), or after so many iterations. By default 1e-3 and 30; at least one is taken, which alone
-    /// is direct forcing that begins with the forces of the step before.
-    pub fn with_rigid_iterations(mut self, slip: f64, iterations: usize) -> Self {
-        self.rigid.end = End { slip, iterations };
-        self
-    }
-
-    /// How the last step came to terms with rigid bodies: their greatest relative slip (the norm over all markers of the
-    /// velocity that is left against the surface, over that of the fluid without the bodies) and the iterations taken.
-    pub fn rigid_slip(&self) -> (f64, usize) {
-        self.rigid.slip()
-    }
-
-    /// Number of markers of rigid bodies.
-    pub fn rigid_marker_count(&self) -> usize {
-        self.rigid.marker_count()
-    }
-
-    /// Its kernel.
-    pub fn kernel(&self) -> Kernel {
-        self.kernel
-    }
-
-    /// Where its markers are.
-    pub fn markers(&self) -> Markers {
-        self.markers
-    }
-
-    /// Number of nodes of all bodies.
-    pub fn node_count(&self) -> usize {
-        self.nodes
-    }
-
-    /// Number of markers of all bodies.
-    pub fn marker_count(&self) -> usize {
-        self.surfaces.iter().map(|s| s.subdivision.len()).sum()
-    }
-
-    /// Each body's number and the parts into which its edges are divided. It grows as a body is stretched and never
-    /// shrinks while the body stays.
-    pub fn divisions(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
-        self.surfaces.iter().map(|s| (s.id, s.division))
-    }
-
-    /// Positions of all markers (m) for node positions `x` (m), in the order of the bodies.
-    pub fn marker_positions(&self, x: Soa3Ref<'_>) -> Soa3 {
-        let of_body = |s: &Surface| {
-            let table = Table::new(s.range.len(), std::iter::once((0..s.range.len(), &s.subdivision)));
-            let x = part(x, &s.range);
-            (0..table.len())
-                .map(|m| table.position(m, x).into())
-                .collect::<Vec<_>>()
-        };
-        self.surfaces.iter().flat_map(of_body).collect()
-    }
-
-    /// Slip length over viscosity, m/(Pa s), on a grid of `spacing` (m).
-    fn slip_ease(&self, spacing: f64) -> f64 {
-        self.kernel.hydrodynamic_shift() * spacing / self.viscosity
     }
 
     fn rebuild_table(&mut self) {
@@ -267,15 +177,19 @@ impl Exchange for DeltaExchange {
             let depth = self.kernel.hydrodynamic_shift() * grid.spacing;
             inset.set_bodies(&self.surfaces, nodes, depth);
         }
-        let ease = self.slip_ease(grid.spacing);
         if let Some(slip) = &mut self.elastic_slip {
-            slip.set_bodies(bodies, nodes, ease);
+            let viscosities = Viscosities {
+                around: self.viscosity,
+                inside: &self.inside,
+            };
+            slip.set_bodies(bodies, nodes, self.kernel, grid.spacing, viscosities)?;
         }
         Ok(())
     }
 
-    fn set_viscosity(&mut self, viscosity: f64) {
+    fn set_viscosity(&mut self, viscosity: f64, inside: &[(u32, f64)]) {
         self.viscosity = viscosity;
+        self.inside = inside.to_vec();
     }
 
     fn place(&mut self, x: Soa3Ref<'_>, bricks: &mut Bricks) -> Result<(), ExchangeError> {
@@ -287,13 +201,11 @@ impl Exchange for DeltaExchange {
         if self.table_is_old {
             self.rebuild_table();
         }
-        if let Some(slip) = &mut self.elastic_slip {
-            slip.place(x);
-        }
         let placed = closed.and_then(|()| {
-            let x = match &mut self.elastic_inset {
-                Some(inset) => inset.place(x)?,
-                None => x,
+            let x = match (&mut self.elastic_inset, &mut self.elastic_slip) {
+                (Some(inset), _) => inset.place(x)?,
+                (None, Some(slip)) => slip.place(x)?,
+                (None, None) => x,
             };
             let support = self.kernel.support();
             self.placement
@@ -331,7 +243,7 @@ impl Exchange for DeltaExchange {
                 z: &mut *z,
             });
         }
-        if let Some(slip) = &self.elastic_slip {
+        if let Some(slip) = &mut self.elastic_slip {
             slip.carry(Soa3Mut { x, y, z });
         }
     }
@@ -341,13 +253,11 @@ impl Exchange for DeltaExchange {
         if self.table_is_old || p.rank.len() != self.table.len() {
             return;
         }
-        if let Some(slip) = &mut self.elastic_slip {
-            slip.spread(force);
-        }
         let (table, tiles) = (&self.table, &mut self.tiles);
-        let force = match &mut self.elastic_inset {
-            Some(inset) => inset.spread(force),
-            None => force,
+        let force = match (&mut self.elastic_inset, &mut self.elastic_slip) {
+            (Some(inset), _) => inset.spread(force),
+            (None, Some(slip)) => slip.spread(force),
+            (None, None) => force,
         };
         let field = bricks.force_mut();
         if table.is_plain() {

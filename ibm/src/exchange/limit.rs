@@ -56,7 +56,9 @@ impl DeltaExchange {
         let Some(grid) = self.grid.as_ref().filter(|_| carried && self.elastic_slip.is_some()) else {
             return f64::INFINITY;
         };
-        let (triangles, ease) = (body.triangles().to_vec(), self.slip_ease(grid.spacing));
+        let ratio = body.viscosity_ratio().unwrap_or(1.0);
+        let ease = slip::ease(self.kernel, ratio, grid.spacing, self.viscosity);
+        let triangles = body.triangles().to_vec();
         let slip = |f: &Soa3| slip::velocities(x, &triangles, f, ease).collect();
         largest_rate(body, x, probe, slip).map_or(f64::INFINITY, |rate| SAFETY * 2.0 / rate)
     }

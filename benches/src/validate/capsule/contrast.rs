@@ -7,17 +7,18 @@ use crate::reference::Table;
 use crate::scenes::side_by_side;
 use crate::validate::{Effort, Findings, Outcome};
 
-/// Law, viscosity ratio and capillary number of the rows that are run in full.
-const FULL: &[(&str, f64, f64)] = &[
-    ("SK", 5.0, 0.1),
-    ("SK", 5.0, 0.2),
-    ("NH", 5.0, 0.1),
-    ("NH", 2.0, 0.2),
-    ("SK", 2.0, 0.1),
-    ("SK", 0.2, 0.2),
+/// Law, viscosity ratio and capillary number of the rows that are run in full, and spacings a radius: at 8 the inclination of the second one is
+/// 1.4 degrees off, an error of the first order.
+const FULL: &[(&str, f64, f64, f64)] = &[
+    ("SK", 5.0, 0.1, 8.0),
+    ("SK", 5.0, 0.2, 12.0),
+    ("NH", 5.0, 0.1, 8.0),
+    ("NH", 2.0, 0.2, 8.0),
+    ("SK", 2.0, 0.1, 8.0),
+    ("SK", 0.2, 0.2, 8.0),
 ];
-/// Row of a quick run.
-const QUICK: (&str, f64, f64) = ("SK", 2.0, 0.1);
+/// The same of a quick run.
+const QUICK: &[(&str, f64, f64, f64)] = &[("SK", 2.0, 0.1, 5.0)];
 /// Edge of the box in radii, and of the larger one that tells what the box does.
 const BOXES: [f64; 2] = [8.0, 12.0];
 
@@ -79,7 +80,7 @@ fn run(jobs: &[Job], with_period: bool) -> Result<Vec<Found>, Fault> {
     Ok((0..jobs.len()).map(one).collect())
 }
 
-/// Capsules between sliding plates, 8 spacings a radius (5 in a quick run), the effect of the box taken off: the deformation
+/// Capsules between sliding plates, 8 or 12 spacings a radius (5 in a quick run), the effect of the box taken off: the deformation
 /// within 2 %, the inclination within 1 degree; the volume of the fluid inside follows the surface within 1e-3, in full
 /// over a whole turn.
 pub fn capsule_shear_contrast(table: &Table, effort: Effort) -> Outcome {
@@ -88,18 +89,15 @@ pub fn capsule_shear_contrast(table: &Table, effort: Effort) -> Outcome {
     for row in table.rows() {
         let (ratio, capillary) = (row.number("lambda")?, row.number("Ca")?);
         let name = (row.text("law")?, ratio, capillary);
-        if if effort.quick {
-            name == QUICK
-        } else {
-            FULL.contains(&name)
-        } {
+        let chosen = if effort.quick { QUICK } else { FULL };
+        if let Some(&(.., radius)) = chosen.iter().find(|c| (c.0, c.1, c.2) == name) {
             rows.push(row);
             jobs.push(Job {
                 material: material(row)?,
                 ratio,
                 capillary,
                 settled: row.number("t_end")?.min(if effort.quick { 7.0 } else { 12.0 }),
-                radii: if effort.quick { [3.0, 5.0] } else { [4.0, 8.0] },
+                radii: [if effort.quick { 3.0 } else { 4.0 }, radius],
             });
         } else {
             findings.left_out += 1;
