@@ -141,6 +141,7 @@ impl Step<'_> {
         let parts = packed.of(batch);
         // SAFETY: the places of these nodes are ours, and the kernel was built for this instruction set and precision.
         unsafe {
+            packed.fetch_lists(batch);
             parts.ferry::<false>(self.storage, self.isa, Load::Apart, buffer);
             let scattered = Scattered {
                 data: self.storage.data(),

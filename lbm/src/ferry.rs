@@ -1,4 +1,5 @@
-//! Bringing the populations of a batch of packed nodes together for an odd step, and back: masked copies, block by block.
+//! Bringing the populations of a batch of packed nodes together for an odd step, and back: masked copies of the fullest part of each
+//! block, and small plain ones of what is left.
 
 use crate::element::Precision;
 use crate::isa::InstructionSet;
@@ -9,12 +10,8 @@ use std::cell::RefCell;
 
 /// Blocks of a batch.
 pub const BLOCKS: usize = 8;
-/// Blocks from a population of a [`Buffer`] to the next: a batch, and one so that they do not fall on the same sets.
-pub const APART: usize = BLOCKS + 1;
-/// Bytes of that.
-pub const STRIDE: usize = APART * LINE;
-/// Bytes of a block, or more.
-const LINE: usize = 64;
+/// Bytes from a population of a [`Buffer`] to the next: a batch, and a block so that they do not fall on the same sets.
+pub const STRIDE: usize = (BLOCKS + 1) * 64;
 
 /// Lanes of a block of numbers of so many bytes: those of a vector of 512 bits, of numbers that are computed in.
 pub const fn block_lanes(bytes: usize) -> usize {
@@ -64,14 +61,28 @@ pub struct Parts<'a> {
     pub masks: &'a [u8],
 }
 
+/// Numbers that are copied so many at a time.
+#[derive(Clone, Copy)]
+pub struct Copies<'a> {
+    /// How many.
+    pub width: usize,
+    /// Place of the first of each, from the start of the memory.
+    pub sources: &'a [u32],
+    /// Where it goes: its number in a buffer.
+    pub slots: &'a [u16],
+}
+
+/// How many numbers are copied at a time. A vector that lies across two cache lines costs as much as three of such copies, and most
+/// further parts are shorter than that.
+pub const WIDTHS: [usize; 3] = [4, 2, 1];
+
 /// What is copied for a batch.
 pub struct Batch<'a> {
     /// The fullest part of each population from 1 on and block.
     pub main: Parts<'a>,
-    /// Further parts, and where each goes in a buffer: its block, and [`APART`] times its population.
-    pub others: Parts<'a>,
-    pub slots: &'a [u8],
-    /// Further parts of the next batch.
+    /// All the others, by [`WIDTHS`].
+    pub others: [Copies<'a>; WIDTHS.len()],
+    /// Sources of the others of the next batch.
     pub next: &'a [u32],
     /// Sources of a later batch, and how many nodes on that is.
     pub early: &'a [u32],
@@ -94,17 +105,110 @@ impl Batch<'_> {
         let (data, buffer) = (storage.data(), buffer.start());
         // SAFETY: the caller's contract; places and masks are those of nodes, and buffers have this layout.
         unsafe {
-            match (isa, storage.precision()) {
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(self, load, data, buffer),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(self, load, data, buffer),
-                (_, Precision::F64) => self.carry::<Plain64, BACK>(load, data, buffer),
-                (_, Precision::F32) => self.carry::<Plain32, BACK>(load, data, buffer),
-                (_, Precision::F16) => self.carry::<Plain16, BACK>(load, data, buffer),
+            if load != Load::Apart {
+                match (isa, storage.precision()) {
+                    #[cfg(target_arch = "x86_64")]
+                    (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(self, load, data, buffer),
+                    #[cfg(target_arch = "x86_64")]
+                    (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(self, load, data, buffer),
+                    (_, Precision::F64) => self.carry::<Plain64, BACK>(load, data, buffer),
+                    (_, Precision::F32) => self.carry::<Plain32, BACK>(load, data, buffer),
+                    (_, Precision::F16) => self.carry::<Plain16, BACK>(load, data, buffer),
+                }
+            }
+            match storage.precision() {
+                Precision::F64 => self.copy_others::<u64, BACK>(load, data.cast(), buffer.cast()),
+                Precision::F32 => self.copy_others::<u32, BACK>(load, data.cast(), buffer.cast()),
+                Precision::F16 => self.copy_others::<u16, BACK>(load, data.cast(), buffer.cast()),
             }
         }
     }
+
+    /// Copies all but the fullest parts.
+    ///
+    /// # Safety
+    /// As for [`Batch::ferry`]; numbers have so many bytes.
+    #[inline(always)]
+    unsafe fn copy_others<T: Copy, const BACK: bool>(&self, load: Load, data: *mut T, buffer: *mut T) {
+        let [fours, twos, ones] = &self.others;
+        // SAFETY: the caller's.
+        unsafe {
+            if let Load::Some(clip) = load {
+                return self
+                    .others
+                    .iter()
+                    .for_each(|copies| copies.copy_some::<T, BACK>(clip, data, buffer));
+            }
+            fours.copy::<[T; 4], T, BACK>(data, buffer);
+            twos.copy::<[T; 2], T, BACK>(data, buffer);
+            ones.copy::<T, T, BACK>(data, buffer);
+        }
+        if !BACK {
+            for source in self.next {
+                prefetch(data.wrapping_add(*source as usize));
+            }
+        }
+    }
+}
+
+impl Copies<'_> {
+    /// Copies numbers `T` to a buffer, or `BACK`, as many at a time as `W` has.
+    ///
+    /// # Safety
+    /// They are valid on both sides.
+    #[inline(always)]
+    unsafe fn copy<W: Copy, T, const BACK: bool>(&self, data: *mut T, buffer: *mut T) {
+        for (source, slot) in self.sources.iter().zip(self.slots) {
+            let (place, room) = (
+                data.wrapping_add(*source as usize).cast::<W>(),
+                buffer.wrapping_add(usize::from(*slot)).cast::<W>(),
+            );
+            // SAFETY: the caller's.
+            unsafe {
+                if BACK {
+                    place.write_unaligned(room.read_unaligned());
+                } else {
+                    room.write_unaligned(place.read_unaligned());
+                }
+            }
+        }
+    }
+
+    /// The same for some nodes.
+    ///
+    /// # Safety
+    /// Their numbers are valid on both sides.
+    unsafe fn copy_some<T: Copy, const BACK: bool>(&self, clip: &[u16; BLOCKS], data: *mut T, buffer: *mut T) {
+        let lanes = block_lanes(size_of::<T>());
+        for (source, slot) in self.sources.iter().zip(self.slots) {
+            for n in 0..self.width {
+                let slot = usize::from(*slot) + n;
+                let (_, node) = split(slot, size_of::<T>());
+                if clip[node / lanes] >> (node % lanes) & 1 == 0 {
+                    continue;
+                }
+                let (place, room) = (data.wrapping_add(*source as usize + n), buffer.wrapping_add(slot));
+                // SAFETY: the caller's.
+                unsafe {
+                    if BACK {
+                        *place = *room;
+                    } else {
+                        *room = *place;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The number in a buffer of population `i` of node `node` of a batch, numbers having so many bytes.
+pub fn slot(i: usize, node: usize, bytes: usize) -> usize {
+    i * (STRIDE / bytes) + node
+}
+
+/// The population and the node of a number in a buffer.
+pub fn split(slot: usize, bytes: usize) -> (usize, usize) {
+    (slot / (STRIDE / bytes), slot % (STRIDE / bytes))
 }
 
 /// Moves lanes of a block.
@@ -117,11 +221,11 @@ trait Mover {
     fn masks(bytes: &[u8]) -> &[Self::Mask];
     fn mask(mask: Self::Mask) -> u16;
 
-    /// Copies lanes to a buffer; with `ALONE` the others may be written there too.
+    /// Copies lanes to a buffer; the others may be written there too.
     ///
     /// # Safety
     /// The instructions are there, the lanes are valid at `from`, and the block at `to`.
-    unsafe fn bring<const ALONE: bool>(from: *const Self::Number, mask: u16, to: *mut Self::Number);
+    unsafe fn bring(from: *const Self::Number, mask: u16, to: *mut Self::Number);
 
     /// Copies lanes from a buffer.
     ///
@@ -191,7 +295,7 @@ macro_rules! plain {
             masks!($lanes);
 
             #[inline(always)]
-            unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
+            unsafe fn bring(from: *const $number, mask: u16, to: *mut $number) {
                 // SAFETY: the caller's.
                 unsafe { copy::<Self>(from, mask, to) }
             }
@@ -237,38 +341,19 @@ impl Parts<'_> {
     }
 }
 
-/// The place of a slot of a buffer.
-#[inline(always)]
-fn room<M: Mover>(buffer: *mut u8, slot: usize) -> *mut M::Number {
-    let bytes = M::LANES * size_of::<M::Number>();
-    let at = if bytes == LINE {
-        slot * LINE
-    } else {
-        slot / APART * STRIDE + slot % APART * bytes
-    };
-    buffer.wrapping_add(at).cast()
-}
-
 impl Batch<'_> {
-    /// See [`Batch::ferry`].
+    /// Copies the fullest parts of all nodes or of some.
     ///
     /// # Safety
-    /// As there, and the instructions of the mover are there.
+    /// As for [`Batch::ferry`], and the instructions of the mover are there.
     #[inline(always)]
     unsafe fn carry<M: Mover, const BACK: bool>(&self, load: Load, data: *mut u8, buffer: *mut u8) {
         // Most batches are whole.
         // SAFETY: the caller's.
         unsafe {
             match load {
-                Load::Apart => self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
-                Load::All => {
-                    self.carry_main::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
-                    self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
-                }
-                Load::Some(clip) => {
-                    self.carry_main::<M, BACK, false>(clip, data, buffer);
-                    self.carry_others::<M, BACK, false>(clip, data, buffer);
-                }
+                Load::Some(clip) => self.carry_main::<M, BACK, false>(clip, data, buffer),
+                _ => self.carry_main::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
             }
         }
     }
@@ -288,13 +373,16 @@ impl Batch<'_> {
             for block in 0..BLOCKS {
                 let mask = clipped::<WHOLE>(M::mask(masks[block]), clip[block]);
                 let place = data.wrapping_add(sources[block] as usize);
-                let room = room::<M>(buffer, (n + 1) * APART + block);
+                let room = buffer
+                    .wrapping_add((n + 1) * STRIDE)
+                    .cast::<M::Number>()
+                    .wrapping_add(block * M::LANES);
                 // SAFETY: the caller's.
                 unsafe {
                     if BACK {
                         M::take(room, mask, place);
                     } else {
-                        M::bring::<true>(place, mask, room);
+                        M::bring(place, mask, room);
                     }
                 }
             }
@@ -302,35 +390,6 @@ impl Batch<'_> {
                 for source in early {
                     prefetch_early(data.wrapping_add(*source as usize));
                 }
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn carry_others<M: Mover, const BACK: bool, const WHOLE: bool>(
-        &self,
-        clip: &[u16; BLOCKS],
-        data: *mut u8,
-        buffer: *mut u8,
-    ) {
-        let data = data.cast::<M::Number>();
-        let masks = M::masks(self.others.masks);
-        for ((source, mask), slot) in self.others.sources.iter().zip(masks).zip(self.slots) {
-            let slot = usize::from(*slot);
-            let mask = clipped::<WHOLE>(M::mask(*mask), clip[slot % APART % BLOCKS]);
-            let place = data.wrapping_add(*source as usize);
-            // SAFETY: the caller's.
-            unsafe {
-                if BACK {
-                    M::take(room::<M>(buffer, slot), mask, place);
-                } else {
-                    M::bring::<false>(place, mask, room::<M>(buffer, slot));
-                }
-            }
-        }
-        if !BACK && WHOLE {
-            for source in self.next {
-                prefetch(data.wrapping_add(*source as usize));
             }
         }
     }
