@@ -141,7 +141,6 @@ impl Step<'_> {
         let parts = packed.of(batch);
         // SAFETY: the places of these nodes are ours, and the kernel was built for this instruction set and precision.
         unsafe {
-            packed.fetch_lists(batch);
             parts.ferry::<false>(self.storage, self.isa, Load::Apart, buffer);
             let scattered = Scattered {
                 data: self.storage.data(),
@@ -149,6 +148,7 @@ impl Step<'_> {
                 buffer: buffer.start(),
                 main: parts.main,
                 early: (parts.early, parts.later),
+                lists: packed.lists(batch),
                 uniform: self.uniform,
             };
             let momentum = self.kernel.collide_scattered(&scattered, force, self.tally);

@@ -3,7 +3,7 @@
 
 use crate::element::Precision;
 use crate::isa::InstructionSet;
-use crate::simd::{prefetch, prefetch_early};
+use crate::simd::prefetch_early;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
 use std::cell::RefCell;
@@ -61,21 +61,6 @@ pub struct Parts<'a> {
     pub masks: &'a [u8],
 }
 
-/// Numbers that are copied so many at a time.
-#[derive(Clone, Copy)]
-pub struct Copies<'a> {
-    /// How many.
-    pub width: usize,
-    /// Place of the first of each, from the start of the memory.
-    pub sources: &'a [u32],
-    /// Where it goes: its number in a buffer.
-    pub slots: &'a [u16],
-}
-
-/// How many numbers are copied at a time. A vector that lies across two cache lines costs as much as three of such copies, and most
-/// further parts are shorter than that.
-pub const WIDTHS: [usize; 3] = [4, 2, 1];
-
 /// What is copied for a batch.
 pub struct Batch<'a> {
     /// The fullest part of each population from 1 on and block.
@@ -83,7 +68,7 @@ pub struct Batch<'a> {
     /// All the others, by [`WIDTHS`].
     pub others: [Copies<'a>; WIDTHS.len()],
     /// Sources of the others of the next batch.
-    pub next: &'a [u32],
+    pub next: &'a [[u32; FOLD]],
     /// Sources of a later batch, and how many nodes on that is.
     pub early: &'a [u32],
     pub later: usize,
@@ -123,92 +108,6 @@ impl Batch<'_> {
             }
         }
     }
-
-    /// Copies all but the fullest parts.
-    ///
-    /// # Safety
-    /// As for [`Batch::ferry`]; numbers have so many bytes.
-    #[inline(always)]
-    unsafe fn copy_others<T: Copy, const BACK: bool>(&self, load: Load, data: *mut T, buffer: *mut T) {
-        let [fours, twos, ones] = &self.others;
-        // SAFETY: the caller's.
-        unsafe {
-            if let Load::Some(clip) = load {
-                return self
-                    .others
-                    .iter()
-                    .for_each(|copies| copies.copy_some::<T, BACK>(clip, data, buffer));
-            }
-            fours.copy::<[T; 4], T, BACK>(data, buffer);
-            twos.copy::<[T; 2], T, BACK>(data, buffer);
-            ones.copy::<T, T, BACK>(data, buffer);
-        }
-        if !BACK {
-            for source in self.next {
-                prefetch(data.wrapping_add(*source as usize));
-            }
-        }
-    }
-}
-
-impl Copies<'_> {
-    /// Copies numbers `T` to a buffer, or `BACK`, as many at a time as `W` has.
-    ///
-    /// # Safety
-    /// They are valid on both sides.
-    #[inline(always)]
-    unsafe fn copy<W: Copy, T, const BACK: bool>(&self, data: *mut T, buffer: *mut T) {
-        for (source, slot) in self.sources.iter().zip(self.slots) {
-            let (place, room) = (
-                data.wrapping_add(*source as usize).cast::<W>(),
-                buffer.wrapping_add(usize::from(*slot)).cast::<W>(),
-            );
-            // SAFETY: the caller's.
-            unsafe {
-                if BACK {
-                    place.write_unaligned(room.read_unaligned());
-                } else {
-                    room.write_unaligned(place.read_unaligned());
-                }
-            }
-        }
-    }
-
-    /// The same for some nodes.
-    ///
-    /// # Safety
-    /// Their numbers are valid on both sides.
-    unsafe fn copy_some<T: Copy, const BACK: bool>(&self, clip: &[u16; BLOCKS], data: *mut T, buffer: *mut T) {
-        let lanes = block_lanes(size_of::<T>());
-        for (source, slot) in self.sources.iter().zip(self.slots) {
-            for n in 0..self.width {
-                let slot = usize::from(*slot) + n;
-                let (_, node) = split(slot, size_of::<T>());
-                if clip[node / lanes] >> (node % lanes) & 1 == 0 {
-                    continue;
-                }
-                let (place, room) = (data.wrapping_add(*source as usize + n), buffer.wrapping_add(slot));
-                // SAFETY: the caller's.
-                unsafe {
-                    if BACK {
-                        *place = *room;
-                    } else {
-                        *room = *place;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The number in a buffer of population `i` of node `node` of a batch, numbers having so many bytes.
-pub fn slot(i: usize, node: usize, bytes: usize) -> usize {
-    i * (STRIDE / bytes) + node
-}
-
-/// The population and the node of a number in a buffer.
-pub fn split(slot: usize, bytes: usize) -> (usize, usize) {
-    (slot / (STRIDE / bytes), slot % (STRIDE / bytes))
 }
 
 /// Moves lanes of a block.
@@ -401,5 +300,8 @@ fn clipped<const WHOLE: bool>(mask: u16, clip: u16) -> u16 {
     if WHOLE { mask } else { mask & clip }
 }
 
+mod copies;
 #[cfg(target_arch = "x86_64")]
 mod wide;
+
+pub use copies::{Copies, FOLD, WIDTHS, slot, split};

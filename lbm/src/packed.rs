@@ -8,11 +8,11 @@
 //! An even step is one loop over all nodes. For an odd one nodes are taken by the batch: their populations are brought together in a
 //! [`Buffer`], collide there and go back to where they came from. A batch has [`BLOCKS`] blocks of a vector each. In a block, lanes
 //! whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and mask, what is left in
-//! lists of the batch, as copies of four, two and one number.
+//! lists of the batch, as copies of four numbers, two and one.
 
 use crate::collide::Places;
 use crate::element::Precision;
-use crate::ferry::{BLOCKS, Batch, Buffer, Copies, Parts, STRIDE, WIDTHS, block_lanes, slot, split};
+use crate::ferry::{BLOCKS, Batch, Buffer, Copies, FOLD, Parts, STRIDE, WIDTHS, block_lanes, slot, split};
 use crate::simd::prefetch;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
@@ -37,8 +37,8 @@ pub struct Packed {
     /// Which lanes are there, a bit each.
     masks: Vec<u8>,
     /// The copies of what is left: the place of the first number of each, and its number in a buffer.
-    other_sources: Vec<u32>,
-    other_slots: Vec<u16>,
+    other_sources: Vec<[u32; FOLD]>,
+    other_slots: Vec<[u16; FOLD]>,
     /// Where the copies of each of [`WIDTHS`] end, those of no batch first; each batch begins where the one before ends.
     other_ends: Vec<[u32; WIDTHS.len()]>,
     /// Links into walls.
@@ -85,16 +85,11 @@ impl Packed {
 
     /// Gives back memory that is not used.
     pub fn shrink(&mut self) {
-        for numbers in [
-            &mut self.starts,
-            &mut self.rows,
-            &mut self.first_run,
-            &mut self.sources,
-            &mut self.other_sources,
-        ] {
+        for numbers in [&mut self.starts, &mut self.rows, &mut self.first_run, &mut self.sources] {
             numbers.shrink_to_fit();
         }
         self.masks.shrink_to_fit();
+        self.other_sources.shrink_to_fit();
         self.other_slots.shrink_to_fit();
         self.other_ends.shrink_to_fit();
     }
@@ -152,8 +147,11 @@ impl Packed {
             }
         }
         self.other_ends.push(others.map(|copies| {
-            self.other_sources.extend(copies.iter().map(|c| c.0));
-            self.other_slots.extend(copies.iter().map(|c| c.1));
+            for copies in copies.chunks(FOLD) {
+                let copy = |n: usize| copies[n.min(copies.len() - 1)];
+                self.other_sources.push(std::array::from_fn(|n| copy(n).0));
+                self.other_slots.push(std::array::from_fn(|n| copy(n).1));
+            }
             self.other_sources.len() as u32
         }));
     }
@@ -171,9 +169,9 @@ impl Packed {
     }
 
     /// Sources of all copies of a batch.
-    fn other_sources_of(&self, batch: usize) -> &[u32] {
-        let [fours, _, ones] = self.others_of(batch);
-        &self.other_sources[fours.start..ones.end]
+    fn other_sources_of(&self, batch: usize) -> &[[u32; FOLD]] {
+        let [first, .., last] = self.others_of(batch);
+        &self.other_sources[first.start..last.end]
     }
 
     pub fn of(&self, batch: usize) -> Batch<'_> {
@@ -200,20 +198,24 @@ impl Packed {
         }
     }
 
-    /// Asks for the lists of a batch that comes later. They are read as fast as populations are, in too many streams for a processor to
-    /// foresee.
-    pub fn fetch_lists(&self, batch: usize) {
-        let batch = batch + EARLIER;
-        if batch >= self.batches() {
-            return;
+    /// The lists of a batch that comes later, to ask for: where each starts, and its bytes. They are read as fast as populations are, in
+    /// too many streams for a processor to foresee.
+    pub fn lists(&self, batch: usize) -> [(*const u8, usize); 4] {
+        fn list<T>(all: &[T], part: Range<usize>) -> (*const u8, usize) {
+            let start = all.as_ptr().wrapping_add(part.start);
+            (start.cast(), part.len() * size_of::<T>())
         }
-        let (slots, bytes, [fours, _, ones]) =
-            ((self.q - 1) * BLOCKS, lanes(self.precision) / 8, self.others_of(batch));
-        fetch(self.sources_of(batch));
-        fetch(&self.masks[batch * slots * bytes..][..slots * bytes]);
-        fetch(&self.other_sources[fours.start..ones.end]);
-        fetch(&self.other_slots[fours.start..ones.end]);
+        let batch = (batch + EARLIER).min(self.batches() - 1);
+        let [first, .., last] = self.others_of(batch);
+        let slots = (self.q - 1) * BLOCKS;
+        let bytes = slots * lanes(self.precision) / 8;
         prefetch(self.other_ends.as_ptr().wrapping_add(batch + EARLIER));
+        [
+            list(&self.sources, batch * slots..(batch + 1) * slots),
+            list(&self.masks, batch * bytes..(batch + 1) * bytes),
+            list(&self.other_sources, first.start..last.end),
+            list(&self.other_slots, first.start..last.end),
+        ]
     }
 
     /// Where node `node` finds population `i` before an odd step, from the start of the memory.
@@ -229,9 +231,10 @@ impl Packed {
         }
         let wanted = slot(i, at, self.precision.bytes());
         let copy = batch.others.iter().find_map(|copies| {
-            let before = |slot: &u16| wanted.wrapping_sub(usize::from(*slot));
-            let n = copies.slots.iter().position(|slot| before(slot) < copies.width)?;
-            Some(copies.sources[n] as usize + before(&copies.slots[n]))
+            let (source, slot) = copies
+                .iter()
+                .find(|(_, slot)| wanted.wrapping_sub(*slot) < copies.width)?;
+            Some(source + wanted - slot)
         });
         copy.unwrap_or(0)
     }
@@ -317,9 +320,11 @@ impl Packed {
             }
         }
         for copies in &parts.others {
-            for (source, slot) in copies.sources.iter().zip(copies.slots) {
-                let ((i, at), source) = (split(usize::from(*slot), self.precision.bytes()), *source as usize);
-                if source == arrays[i] + first + at {
+            let mut before = None;
+            for (source, slot) in copies.iter() {
+                let (i, at) = split(slot, self.precision.bytes());
+                // The last one may be repeated.
+                if source == arrays[i] + first + at && before.replace(slot) != Some(slot) {
                     (source..source + copies.width).for_each(|place| link(i, place));
                 }
             }
@@ -347,12 +352,4 @@ fn cuts(mut mask: u16) -> impl Iterator<Item = (usize, usize)> {
         mask &= !(stretch(&WIDTHS[width]) << lane);
         Some((lane, width))
     })
-}
-
-/// Asks for the cache lines of a list.
-#[inline(always)]
-fn fetch<T>(list: &[T]) {
-    for item in list.iter().step_by(64 / size_of::<T>()) {
-        prefetch(item);
-    }
 }
