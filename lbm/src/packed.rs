@@ -26,8 +26,6 @@ const EARLIER: usize = 5;
 pub struct Packed {
     /// Number of the first node of each run, and the number of nodes.
     pub starts: Vec<u32>,
-    /// Row of each run.
-    pub rows: Vec<u32>,
     /// The run of the first node of each batch.
     first_run: Vec<u32>,
     q: usize,
@@ -55,7 +53,6 @@ impl Packed {
     pub fn new(storage: &Storage) -> Self {
         Self {
             starts: vec![0],
-            rows: Vec::new(),
             first_run: Vec::new(),
             q: storage.velocities().q(),
             precision: storage.precision(),
@@ -85,7 +82,7 @@ impl Packed {
 
     /// Gives back memory that is not used.
     pub fn shrink(&mut self) {
-        for numbers in [&mut self.starts, &mut self.rows, &mut self.first_run, &mut self.sources] {
+        for numbers in [&mut self.starts, &mut self.first_run, &mut self.sources] {
             numbers.shrink_to_fit();
         }
         self.masks.shrink_to_fit();
@@ -97,7 +94,6 @@ impl Packed {
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.starts)
-            + size_of_val(&*self.rows)
             + size_of_val(&*self.first_run)
             + size_of_val(&*self.sources)
             + size_of_val(&*self.masks)
@@ -107,13 +103,12 @@ impl Packed {
     }
 
     /// Adds a run of so many nodes.
-    pub fn add_run(&mut self, row: usize, nodes: usize) {
+    pub fn add_run(&mut self, nodes: usize) {
         let first = self.nodes();
-        let run = self.rows.len() as u32;
+        let run = self.starts.len() as u32 - 1;
         while self.first_run.len() * self.batch() < first + nodes {
             self.first_run.push(run);
         }
-        self.rows.push(row as u32);
         self.starts.push((first + nodes) as u32);
     }
 
@@ -124,6 +119,8 @@ impl Packed {
         let mut parts: Vec<(u32, u16)> = Vec::new();
         let mut others: [Vec<(u32, u16)>; WIDTHS.len()] = Default::default();
         for i in 1..self.q {
+            // Those that are left, by the place that node 0 would have: they may pass from block to block.
+            let mut left: Vec<(u32, u128)> = Vec::new();
             for block in 0..BLOCKS {
                 parts.clear();
                 for lane in 0..lanes.min(nodes.saturating_sub(block * lanes)) {
@@ -139,10 +136,20 @@ impl Packed {
                 self.sources.push(source);
                 self.masks.extend(&mask.to_le_bytes()[..lanes / 8]);
                 for (source, mask) in parts.iter().skip(1) {
-                    let to = slot(i, block * lanes, self.precision.bytes());
-                    for (lane, width) in cuts(*mask) {
-                        others[width].push((source.wrapping_add(lane as u32), (to + lane) as u16));
+                    let (start, mask) = (
+                        source.wrapping_sub((block * lanes) as u32),
+                        u128::from(*mask) << (block * lanes),
+                    );
+                    match left.iter_mut().find(|(s, _)| *s == start) {
+                        Some((_, all)) => *all |= mask,
+                        None => left.push((start, mask)),
                     }
+                }
+            }
+            for (start, mask) in left {
+                for (node, width) in cuts(mask) {
+                    let to = slot(i, node, self.precision.bytes());
+                    others[width].push((start.wrapping_add(node as u32), to as u16));
                 }
             }
         }
@@ -341,15 +348,14 @@ impl Packed {
     }
 }
 
-/// Cuts the lanes of a mask into stretches that are as long as one of [`WIDTHS`]: the first lane of each, and which of them it is.
-fn cuts(mut mask: u16) -> impl Iterator<Item = (usize, usize)> {
+/// Cuts the nodes of a mask into stretches that are as long as one of [`WIDTHS`]: the first node of each, and which of them it is.
+fn cuts(mut mask: u128) -> impl Iterator<Item = (usize, usize)> {
     std::iter::from_fn(move || {
-        let lane = mask.trailing_zeros() as usize;
-        let stretch = |width: &usize| (1_u16 << width) - 1;
-        let width = WIDTHS
-            .iter()
-            .position(|width| mask != 0 && mask >> lane & stretch(width) == stretch(width))?;
-        mask &= !(stretch(&WIDTHS[width]) << lane);
-        Some((lane, width))
+        let node = mask.trailing_zeros() as usize;
+        let stretch = |width: &usize| (1_u128 << width) - 1;
+        let fits = |width: &usize| mask != 0 && mask >> node & stretch(width) == stretch(width);
+        let width = WIDTHS.iter().position(fits)?;
+        mask &= !(stretch(&WIDTHS[width]) << node);
+        Some((node, width))
     })
 }
