@@ -108,8 +108,16 @@ impl Step<'_> {
             unsafe { self.span(nodes.start - first..nodes.end - first, &work, None, &mut balance) };
         } else {
             let bytes = packed.precision.bytes() as isize;
+            let mut row = None;
             for (run, part) in packed.runs(&self.links.runs, nodes) {
-                let row = &self.links.rows[packed.rows[run] as usize];
+                // Runs follow each other as rows do: only the first one's row is searched for.
+                let rows = &self.links.rows;
+                let mut at = row.unwrap_or_else(|| rows.partition_point(|row| row.runs().end <= run));
+                while rows[at].runs().end <= run {
+                    at += 1;
+                }
+                row = Some(at);
+                let row = &rows[at];
                 let shift = packed.starts[run] as isize - (first + self.links.run(run).start) as isize;
                 let places: Places = places.map(|p| p.wrapping_offset(shift * bytes));
                 let work = Work {
@@ -149,6 +157,7 @@ impl Step<'_> {
                 buffer: buffer.start(),
                 main: parts.main,
                 early: (parts.early, parts.later),
+                lists: packed.lists(batch),
                 uniform: self.uniform,
             };
             let momentum = self.kernel.collide_scattered(&scattered, force, self.tally);

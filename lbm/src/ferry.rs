@@ -1,20 +1,17 @@
-//! Bringing the populations of a batch of packed nodes together for an odd step, and back: masked copies, block by block.
+//! Bringing the populations of a batch of packed nodes together for an odd step, and back: masked copies of the fullest part of each
+//! block, and small plain ones of what is left.
 
 use crate::element::Precision;
 use crate::isa::InstructionSet;
-use crate::simd::{prefetch, prefetch_early};
+use crate::simd::prefetch_early;
 use crate::stencil::MAX_Q;
 use crate::storage::Storage;
 use std::cell::RefCell;
 
 /// Blocks of a batch.
 pub const BLOCKS: usize = 8;
-/// Blocks from a population of a [`Buffer`] to the next: a batch, and one so that they do not fall on the same sets.
-pub const APART: usize = BLOCKS + 1;
-/// Bytes of that.
-pub const STRIDE: usize = APART * LINE;
-/// Bytes of a block, or more.
-const LINE: usize = 64;
+/// Bytes from a population of a [`Buffer`] to the next: a batch, and a block so that they do not fall on the same sets.
+pub const STRIDE: usize = (BLOCKS + 1) * 64;
 
 /// Lanes of a block of numbers of so many bytes: those of a vector of 512 bits, of numbers that are computed in.
 pub const fn block_lanes(bytes: usize) -> usize {
@@ -68,11 +65,10 @@ pub struct Parts<'a> {
 pub struct Batch<'a> {
     /// The fullest part of each population from 1 on and block.
     pub main: Parts<'a>,
-    /// Further parts, and where each goes in a buffer: its block, and [`APART`] times its population.
-    pub others: Parts<'a>,
-    pub slots: &'a [u8],
-    /// Further parts of the next batch.
-    pub next: &'a [u32],
+    /// All the others, by [`WIDTHS`].
+    pub others: [Copies<'a>; WIDTHS.len()],
+    /// Sources of the others of the next batch.
+    pub next: &'a [[u32; FOLD]],
     /// Sources of a later batch, and how many nodes on that is.
     pub early: &'a [u32],
     pub later: usize,
@@ -94,14 +90,21 @@ impl Batch<'_> {
         let (data, buffer) = (storage.data(), buffer.start());
         // SAFETY: the caller's contract; places and masks are those of nodes, and buffers have this layout.
         unsafe {
-            match (isa, storage.precision()) {
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(self, load, data, buffer),
-                #[cfg(target_arch = "x86_64")]
-                (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(self, load, data, buffer),
-                (_, Precision::F64) => self.carry::<Plain64, BACK>(load, data, buffer),
-                (_, Precision::F32) => self.carry::<Plain32, BACK>(load, data, buffer),
-                (_, Precision::F16) => self.carry::<Plain16, BACK>(load, data, buffer),
+            if load != Load::Apart {
+                match (isa, storage.precision()) {
+                    #[cfg(target_arch = "x86_64")]
+                    (InstructionSet::Avx512, Precision::F64) => wide::carry64::<BACK>(self, load, data, buffer),
+                    #[cfg(target_arch = "x86_64")]
+                    (InstructionSet::Avx512, Precision::F32) => wide::carry32::<BACK>(self, load, data, buffer),
+                    (_, Precision::F64) => self.carry::<Plain64, BACK>(load, data, buffer),
+                    (_, Precision::F32) => self.carry::<Plain32, BACK>(load, data, buffer),
+                    (_, Precision::F16) => self.carry::<Plain16, BACK>(load, data, buffer),
+                }
+            }
+            match storage.precision() {
+                Precision::F64 => self.copy_others::<u64, BACK>(load, data.cast(), buffer.cast()),
+                Precision::F32 => self.copy_others::<u32, BACK>(load, data.cast(), buffer.cast()),
+                Precision::F16 => self.copy_others::<u16, BACK>(load, data.cast(), buffer.cast()),
             }
         }
     }
@@ -117,11 +120,11 @@ trait Mover {
     fn masks(bytes: &[u8]) -> &[Self::Mask];
     fn mask(mask: Self::Mask) -> u16;
 
-    /// Copies lanes to a buffer; with `ALONE` the others may be written there too.
+    /// Copies lanes to a buffer; the others may be written there too.
     ///
     /// # Safety
     /// The instructions are there, the lanes are valid at `from`, and the block at `to`.
-    unsafe fn bring<const ALONE: bool>(from: *const Self::Number, mask: u16, to: *mut Self::Number);
+    unsafe fn bring(from: *const Self::Number, mask: u16, to: *mut Self::Number);
 
     /// Copies lanes from a buffer.
     ///
@@ -191,7 +194,7 @@ macro_rules! plain {
             masks!($lanes);
 
             #[inline(always)]
-            unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
+            unsafe fn bring(from: *const $number, mask: u16, to: *mut $number) {
                 // SAFETY: the caller's.
                 unsafe { copy::<Self>(from, mask, to) }
             }
@@ -237,38 +240,19 @@ impl Parts<'_> {
     }
 }
 
-/// The place of a slot of a buffer.
-#[inline(always)]
-fn room<M: Mover>(buffer: *mut u8, slot: usize) -> *mut M::Number {
-    let bytes = M::LANES * size_of::<M::Number>();
-    let at = if bytes == LINE {
-        slot * LINE
-    } else {
-        slot / APART * STRIDE + slot % APART * bytes
-    };
-    buffer.wrapping_add(at).cast()
-}
-
 impl Batch<'_> {
-    /// See [`Batch::ferry`].
+    /// Copies the fullest parts of all nodes or of some.
     ///
     /// # Safety
-    /// As there, and the instructions of the mover are there.
+    /// As for [`Batch::ferry`], and the instructions of the mover are there.
     #[inline(always)]
     unsafe fn carry<M: Mover, const BACK: bool>(&self, load: Load, data: *mut u8, buffer: *mut u8) {
         // Most batches are whole.
         // SAFETY: the caller's.
         unsafe {
             match load {
-                Load::Apart => self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
-                Load::All => {
-                    self.carry_main::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
-                    self.carry_others::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer);
-                }
-                Load::Some(clip) => {
-                    self.carry_main::<M, BACK, false>(clip, data, buffer);
-                    self.carry_others::<M, BACK, false>(clip, data, buffer);
-                }
+                Load::Some(clip) => self.carry_main::<M, BACK, false>(clip, data, buffer),
+                _ => self.carry_main::<M, BACK, true>(&[u16::MAX; BLOCKS], data, buffer),
             }
         }
     }
@@ -288,13 +272,16 @@ impl Batch<'_> {
             for block in 0..BLOCKS {
                 let mask = clipped::<WHOLE>(M::mask(masks[block]), clip[block]);
                 let place = data.wrapping_add(sources[block] as usize);
-                let room = room::<M>(buffer, (n + 1) * APART + block);
+                let room = buffer
+                    .wrapping_add((n + 1) * STRIDE)
+                    .cast::<M::Number>()
+                    .wrapping_add(block * M::LANES);
                 // SAFETY: the caller's.
                 unsafe {
                     if BACK {
                         M::take(room, mask, place);
                     } else {
-                        M::bring::<true>(place, mask, room);
+                        M::bring(place, mask, room);
                     }
                 }
             }
@@ -302,35 +289,6 @@ impl Batch<'_> {
                 for source in early {
                     prefetch_early(data.wrapping_add(*source as usize));
                 }
-            }
-        }
-    }
-
-    #[inline(always)]
-    unsafe fn carry_others<M: Mover, const BACK: bool, const WHOLE: bool>(
-        &self,
-        clip: &[u16; BLOCKS],
-        data: *mut u8,
-        buffer: *mut u8,
-    ) {
-        let data = data.cast::<M::Number>();
-        let masks = M::masks(self.others.masks);
-        for ((source, mask), slot) in self.others.sources.iter().zip(masks).zip(self.slots) {
-            let slot = usize::from(*slot);
-            let mask = clipped::<WHOLE>(M::mask(*mask), clip[slot % APART % BLOCKS]);
-            let place = data.wrapping_add(*source as usize);
-            // SAFETY: the caller's.
-            unsafe {
-                if BACK {
-                    M::take(room::<M>(buffer, slot), mask, place);
-                } else {
-                    M::bring::<false>(place, mask, room::<M>(buffer, slot));
-                }
-            }
-        }
-        if !BACK && WHOLE {
-            for source in self.next {
-                prefetch(data.wrapping_add(*source as usize));
             }
         }
     }
@@ -342,5 +300,8 @@ fn clipped<const WHOLE: bool>(mask: u16, clip: u16) -> u16 {
     if WHOLE { mask } else { mask & clip }
 }
 
+mod copies;
 #[cfg(target_arch = "x86_64")]
 mod wide;
+
+pub use copies::{Copies, FOLD, WIDTHS, slot, split};

@@ -82,7 +82,7 @@ impl<'a> Maker<'a> {
                     continue;
                 }
                 match &mut packing {
-                    Some(packing) => packing.add_row(&self, links.rows.len(), [j, k], starts[0], &mut links),
+                    Some(packing) => packing.add_row(&self, [j, k], starts[0], &mut links),
                     None => self.add_row(j, k, starts[0], &mut links),
                 }
                 links.row_at[k * ny + j] = links.rows.len() as u32;

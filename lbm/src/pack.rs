@@ -24,11 +24,11 @@ impl Packing {
         }
     }
 
-    /// Adds the runs of row number `row`, from number `first` on.
-    pub fn add_row(&mut self, maker: &Maker, row: usize, [j, k]: [usize; 2], first: usize, links: &mut Links) {
+    /// Adds the runs of row (`j`, `k`), from number `first` on.
+    pub fn add_row(&mut self, maker: &Maker, [j, k]: [usize; 2], first: usize, links: &mut Links) {
         for run in first..links.runs.len() {
             let nodes = links.run(run);
-            self.packed.add_run(row, nodes.len());
+            self.packed.add_run(nodes.len());
             for x in nodes {
                 self.add_node(maker, [x, j, k], links);
             }

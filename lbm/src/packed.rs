@@ -7,25 +7,25 @@
 //!
 //! An even step is one loop over all nodes. For an odd one nodes are taken by the batch: their populations are brought together in a
 //! [`Buffer`], collide there and go back to where they came from. A batch has [`BLOCKS`] blocks of a vector each. In a block, lanes
-//! whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and mask, further
-//! ones in a list of the batch.
+//! whose populations `i` stand side by side are one masked vector; the fullest of these is kept by its place and mask, what is left in
+//! lists of the batch, as copies of four numbers, two and one.
 
 use crate::collide::Places;
 use crate::element::Precision;
-use crate::ferry::{APART, BLOCKS, Batch, Buffer, Parts, STRIDE, block_lanes};
+use crate::ferry::{BLOCKS, Batch, Buffer, Copies, FOLD, Parts, STRIDE, WIDTHS, block_lanes, slot, split};
+use crate::simd::prefetch;
 use crate::stencil::{MAX_Q, opposite};
 use crate::storage::Storage;
 use std::ops::Range;
 
-/// How many batches before its own a batch is asked for.
+/// How many batches before its own a batch is asked for, and how many before that its lists.
 const EARLY: usize = 2;
+const EARLIER: usize = 5;
 
 /// Numbers and places of packed nodes.
 pub struct Packed {
     /// Number of the first node of each run, and the number of nodes.
     pub starts: Vec<u32>,
-    /// Row of each run.
-    pub rows: Vec<u32>,
     /// The run of the first node of each batch.
     first_run: Vec<u32>,
     q: usize,
@@ -34,12 +34,11 @@ pub struct Packed {
     sources: Vec<u32>,
     /// Which lanes are there, a bit each.
     masks: Vec<u8>,
-    /// The same of further parts, and of which block and population each is.
-    other_sources: Vec<u32>,
-    other_masks: Vec<u8>,
-    slots: Vec<u8>,
-    /// Of each batch the first further part, and their number.
-    first_other: Vec<u32>,
+    /// The copies of what is left: the place of the first number of each, and its number in a buffer.
+    other_sources: Vec<[u32; FOLD]>,
+    other_slots: Vec<[u16; FOLD]>,
+    /// Where the copies of each of [`WIDTHS`] end, those of no batch first; each batch begins where the one before ends.
+    other_ends: Vec<[u32; WIDTHS.len()]>,
     /// Links into walls.
     pub links: usize,
 }
@@ -54,16 +53,14 @@ impl Packed {
     pub fn new(storage: &Storage) -> Self {
         Self {
             starts: vec![0],
-            rows: Vec::new(),
             first_run: Vec::new(),
             q: storage.velocities().q(),
             precision: storage.precision(),
             sources: Vec::new(),
             masks: Vec::new(),
             other_sources: Vec::new(),
-            other_masks: Vec::new(),
-            slots: Vec::new(),
-            first_other: vec![0],
+            other_slots: Vec::new(),
+            other_ends: vec![[0; WIDTHS.len()]],
             links: 0,
         }
     }
@@ -80,47 +77,38 @@ impl Packed {
 
     /// Number of batches.
     pub fn batches(&self) -> usize {
-        self.first_other.len() - 1
+        self.other_ends.len() - 1
     }
 
     /// Gives back memory that is not used.
     pub fn shrink(&mut self) {
-        for numbers in [
-            &mut self.starts,
-            &mut self.rows,
-            &mut self.first_run,
-            &mut self.sources,
-            &mut self.other_sources,
-            &mut self.first_other,
-        ] {
+        for numbers in [&mut self.starts, &mut self.first_run, &mut self.sources] {
             numbers.shrink_to_fit();
         }
-        for bytes in [&mut self.masks, &mut self.other_masks, &mut self.slots] {
-            bytes.shrink_to_fit();
-        }
+        self.masks.shrink_to_fit();
+        self.other_sources.shrink_to_fit();
+        self.other_slots.shrink_to_fit();
+        self.other_ends.shrink_to_fit();
     }
 
     /// Bytes of memory.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.starts)
-            + size_of_val(&*self.rows)
             + size_of_val(&*self.first_run)
             + size_of_val(&*self.sources)
             + size_of_val(&*self.masks)
             + size_of_val(&*self.other_sources)
-            + size_of_val(&*self.other_masks)
-            + size_of_val(&*self.slots)
-            + size_of_val(&*self.first_other)
+            + size_of_val(&*self.other_slots)
+            + size_of_val(&*self.other_ends)
     }
 
     /// Adds a run of so many nodes.
-    pub fn add_run(&mut self, row: usize, nodes: usize) {
+    pub fn add_run(&mut self, nodes: usize) {
         let first = self.nodes();
-        let run = self.rows.len() as u32;
+        let run = self.starts.len() as u32 - 1;
         while self.first_run.len() * self.batch() < first + nodes {
             self.first_run.push(run);
         }
-        self.rows.push(row as u32);
         self.starts.push((first + nodes) as u32);
     }
 
@@ -129,7 +117,10 @@ impl Packed {
     pub fn add_batch(&mut self, places: &[u32], nodes: usize) {
         let (lanes, batch) = (lanes(self.precision), self.batch());
         let mut parts: Vec<(u32, u16)> = Vec::new();
+        let mut others: [Vec<(u32, u16)>; WIDTHS.len()] = Default::default();
         for i in 1..self.q {
+            // Those that are left, by the place that node 0 would have: they may pass from block to block.
+            let mut left: Vec<(u32, u128)> = Vec::new();
             for block in 0..BLOCKS {
                 parts.clear();
                 for lane in 0..lanes.min(nodes.saturating_sub(block * lanes)) {
@@ -145,13 +136,31 @@ impl Packed {
                 self.sources.push(source);
                 self.masks.extend(&mask.to_le_bytes()[..lanes / 8]);
                 for (source, mask) in parts.iter().skip(1) {
-                    self.other_sources.push(*source);
-                    self.other_masks.extend(&mask.to_le_bytes()[..lanes / 8]);
-                    self.slots.push((i * APART + block) as u8);
+                    let (start, mask) = (
+                        source.wrapping_sub((block * lanes) as u32),
+                        u128::from(*mask) << (block * lanes),
+                    );
+                    match left.iter_mut().find(|(s, _)| *s == start) {
+                        Some((_, all)) => *all |= mask,
+                        None => left.push((start, mask)),
+                    }
+                }
+            }
+            for (start, mask) in left {
+                for (node, width) in cuts(mask) {
+                    let to = slot(i, node, self.precision.bytes());
+                    others[width].push((start.wrapping_add(node as u32), to as u16));
                 }
             }
         }
-        self.first_other.push(self.other_sources.len() as u32);
+        self.other_ends.push(others.map(|copies| {
+            for copies in copies.chunks(FOLD) {
+                let copy = |n: usize| copies[n.min(copies.len() - 1)];
+                self.other_sources.push(std::array::from_fn(|n| copy(n).0));
+                self.other_slots.push(std::array::from_fn(|n| copy(n).1));
+            }
+            self.other_sources.len() as u32
+        }));
     }
 
     /// Sources of the fullest parts of a batch.
@@ -160,29 +169,60 @@ impl Packed {
         &self.sources[batch * slots..][..slots]
     }
 
+    /// Where the copies of a batch stand in the lists, by width.
+    fn others_of(&self, batch: usize) -> [Range<usize>; WIDTHS.len()] {
+        let mut start = self.other_ends[batch][WIDTHS.len() - 1] as usize;
+        self.other_ends[batch + 1].map(|end| std::mem::replace(&mut start, end as usize)..end as usize)
+    }
+
+    /// Sources of all copies of a batch.
+    fn other_sources_of(&self, batch: usize) -> &[[u32; FOLD]] {
+        let [first, .., last] = self.others_of(batch);
+        &self.other_sources[first.start..last.end]
+    }
+
     pub fn of(&self, batch: usize) -> Batch<'_> {
         let (slots, bytes) = ((self.q - 1) * BLOCKS, lanes(self.precision) / 8);
-        let others = |n: usize| self.first_other[n] as usize..self.first_other[n + 1] as usize;
-        let (here, last) = (others(batch), self.batches() - 1);
+        let (last, others) = (self.batches() - 1, self.others_of(batch));
         let later = (batch + EARLY).min(last);
         Batch {
             main: Parts {
                 sources: self.sources_of(batch),
                 masks: &self.masks[batch * slots * bytes..][..slots * bytes],
             },
-            others: Parts {
-                sources: &self.other_sources[here.clone()],
-                masks: &self.other_masks[here.start * bytes..here.end * bytes],
-            },
-            slots: &self.slots[here],
+            others: std::array::from_fn(|n| Copies {
+                width: WIDTHS[n],
+                sources: &self.other_sources[others[n].clone()],
+                slots: &self.other_slots[others[n].clone()],
+            }),
             next: if batch < last {
-                &self.other_sources[others(batch + 1)]
+                self.other_sources_of(batch + 1)
             } else {
                 &[]
             },
             early: self.sources_of(later),
             later: (later - batch) * self.batch(),
         }
+    }
+
+    /// The lists of a batch that comes later, to ask for: where each starts, and its bytes. They are read as fast as populations are, in
+    /// too many streams for a processor to foresee.
+    pub fn lists(&self, batch: usize) -> [(*const u8, usize); 4] {
+        fn list<T>(all: &[T], part: Range<usize>) -> (*const u8, usize) {
+            let start = all.as_ptr().wrapping_add(part.start);
+            (start.cast(), part.len() * size_of::<T>())
+        }
+        let batch = (batch + EARLIER).min(self.batches() - 1);
+        let [first, .., last] = self.others_of(batch);
+        let slots = (self.q - 1) * BLOCKS;
+        let bytes = slots * lanes(self.precision) / 8;
+        prefetch(self.other_ends.as_ptr().wrapping_add(batch + EARLIER));
+        [
+            list(&self.sources, batch * slots..(batch + 1) * slots),
+            list(&self.masks, batch * bytes..(batch + 1) * bytes),
+            list(&self.other_sources, first.start..last.end),
+            list(&self.other_slots, first.start..last.end),
+        ]
     }
 
     /// Where node `node` finds population `i` before an odd step, from the start of the memory.
@@ -192,17 +232,18 @@ impl Packed {
         }
         let lanes = lanes(self.precision);
         let (batch, at) = (self.of(node / self.batch()), node % self.batch());
-        let (block, lane) = (at / lanes, at % lanes);
-        let slot = (i - 1) * BLOCKS + block;
-        let has = |parts: &Parts, n: usize| parts.mask(n, lanes) >> lane & 1 == 1;
-        let source = if has(&batch.main, slot) {
-            batch.main.sources[slot]
-        } else {
-            let mut others = batch.slots.iter().enumerate();
-            let here = others.find(|(n, s)| usize::from(**s) == i * APART + block && has(&batch.others, *n));
-            here.map_or(0, |(n, _)| batch.others.sources[n])
-        };
-        source.wrapping_add(lane as u32) as usize
+        let (main, lane) = ((i - 1) * BLOCKS + at / lanes, at % lanes);
+        if batch.main.mask(main, lanes) >> lane & 1 == 1 {
+            return batch.main.sources[main].wrapping_add(lane as u32) as usize;
+        }
+        let wanted = slot(i, at, self.precision.bytes());
+        let copy = batch.others.iter().find_map(|copies| {
+            let (source, slot) = copies
+                .iter()
+                .find(|(_, slot)| wanted.wrapping_sub(*slot) < copies.width)?;
+            Some(source + wanted - slot)
+        });
+        copy.unwrap_or(0)
     }
 
     /// Which lanes of each block of a batch are among `nodes`.
@@ -274,21 +315,26 @@ impl Packed {
     pub fn for_walls(&self, storage: &Storage, batch: usize, mut link: impl FnMut(usize, usize)) {
         let (lanes, arrays) = (lanes(self.precision), storage.arrays());
         let (first, parts) = (batch * self.batch(), self.of(batch));
-        let mut each = |i: usize, block: usize, source: u32, mut mask: u16| {
-            if source as usize != arrays[i] + first + block * lanes {
-                return;
+        for (n, source) in parts.main.sources.iter().enumerate() {
+            let (i, block) = (n / BLOCKS + 1, n % BLOCKS);
+            if *source as usize != arrays[i] + first + block * lanes {
+                continue;
             }
+            let mut mask = parts.main.mask(n, lanes);
             while mask != 0 {
-                link(i, source as usize + mask.trailing_zeros() as usize);
+                link(i, *source as usize + mask.trailing_zeros() as usize);
                 mask &= mask - 1;
             }
-        };
-        for (n, source) in parts.main.sources.iter().enumerate() {
-            each(n / BLOCKS + 1, n % BLOCKS, *source, parts.main.mask(n, lanes));
         }
-        for (n, (source, slot)) in parts.others.sources.iter().zip(parts.slots).enumerate() {
-            let slot = usize::from(*slot);
-            each(slot / APART, slot % APART, *source, parts.others.mask(n, lanes));
+        for copies in &parts.others {
+            let mut before = None;
+            for (source, slot) in copies.iter() {
+                let (i, at) = split(slot, self.precision.bytes());
+                // The last one may be repeated.
+                if source == arrays[i] + first + at && before.replace(slot) != Some(slot) {
+                    (source..source + copies.width).for_each(|place| link(i, place));
+                }
+            }
         }
     }
 
@@ -300,4 +346,16 @@ impl Packed {
             None => arrays[i] as u32 + node,
         }
     }
+}
+
+/// Cuts the nodes of a mask into stretches that are as long as one of [`WIDTHS`]: the first node of each, and which of them it is.
+fn cuts(mut mask: u128) -> impl Iterator<Item = (usize, usize)> {
+    std::iter::from_fn(move || {
+        let node = mask.trailing_zeros() as usize;
+        let stretch = |width: &usize| (1_u128 << width) - 1;
+        let fits = |width: &usize| mask != 0 && mask >> node & stretch(width) == stretch(width);
+        let width = WIDTHS.iter().position(fits)?;
+        mask &= !(stretch(&WIDTHS[width]) << node);
+        Some((node, width))
+    })
 }

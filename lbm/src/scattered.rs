@@ -19,6 +19,8 @@ pub struct Scattered<'a> {
     pub main: Parts<'a>,
     /// Sources of a batch that comes later, and how many nodes on it is.
     pub early: (&'a [u32], usize),
+    /// Start and bytes of lists that come later still.
+    pub lists: [(*const u8, usize); 4],
     /// Force on every node, lattice units.
     pub uniform: [f64; 3],
 }
@@ -66,6 +68,9 @@ where
                     prefetch(rest.wrapping_add(s.early.1));
                     for sources in early {
                         prefetch(data.wrapping_add(sources[block] as usize));
+                    }
+                    for (list, bytes) in s.lists {
+                        prefetch(list.wrapping_add(bytes * block / BLOCKS));
                     }
                 }
                 let momentum = model.collide::<V, FORCE>(&mut f, uniform);

@@ -15,16 +15,9 @@ macro_rules! mover {
             masks!($lanes);
 
             #[inline(always)]
-            unsafe fn bring<const ALONE: bool>(from: *const $number, mask: u16, to: *mut $number) {
+            unsafe fn bring(from: *const $number, mask: u16, to: *mut $number) {
                 // SAFETY: the caller's; other lanes are masked out, or in a buffer.
-                unsafe {
-                    let lanes = $load(mask as $mask, from);
-                    if ALONE {
-                        $store_all(to, lanes);
-                    } else {
-                        $store(to, mask as $mask, lanes);
-                    }
-                }
+                unsafe { $store_all(to, $load(mask as $mask, from)) };
             }
 
             #[inline(always)]
