@@ -11,7 +11,7 @@ const GRIDS: [&str; 3] = ["Rt_coarse", "Rt_medium", "Rt_fine"];
 /// Ratio of the radii in a quick run, on the first grid, and of the finer mesh there.
 const QUICK: f64 = 1.0;
 /// Area for each node of that mesh, in squared spacings.
-const FINER_MESH: f64 = 0.5;
+const FINER_MESH: f64 = 0.7;
 
 /// What a row is about.
 fn quantity(row: &Row, passed: &Passed) -> Result<f64, ReferenceError> {
