@@ -42,11 +42,13 @@ impl DeltaExchange {
     /// [`Kernel::hydrodynamic_shift`] spacings times the tangential force on their area over the fluid's viscosity, which is what the kernel takes off the
     /// kink of the velocity there; they do not by default. With it, and nodes on the surface itself, capsules that tread round deform as they
     /// should to second order in the spacing, where an inset is right only if the fluid inside does not deform. It makes stiff
-    /// membranes move faster, so that the longest stable step is shorter.
+    /// membranes move faster, so that the longest stable step is shorter. The step is checked for the membrane as it stands at the start:
+    /// where it stiffens as it is stretched, above all on a mesh finer than the grid, leave some room.
     ///
     /// Around a fluid of another viscosity ([`ImmersedBody::viscosity_ratio`]) nodes slip less the more viscous it is, and the markers sit on a parallel surface
     /// in the more viscous of the two, 0.4 spacings deep for a ratio of 5 and three points: there the force meets the fluid that has to bear it. An error of the
-    /// first order stays, by the fluid's own transition from one viscosity to the other. A surface bent more sharply than that ends the run with
+    /// first order stays, by the fluid's own transition from one viscosity to the other: that is right for single shells, and not yet shown to be better than
+    /// [`DeltaExchange::with_elastic_inset`] for capsules that deform. A surface bent more sharply than that ends the run with
     /// [`ExchangeError::Fold`].
     ///
     /// The viscosities come with [`Exchange::set_viscosity`], which a scene calls; without it [`Exchange::set_bodies`] is the error [`ExchangeError::NoViscosity`].
