@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""The bare fluid against lbmpy on this machine: D3Q19, TRT (magic 3/16), in place, no force, single steps and sweeps.
+"""The bare fluid against lbmpy on this machine: D3Q19, TRT (magic 3/16), in place, single steps and sweeps, without
+a force or, with --force, under a uniform one (second order: Guo).
 
     pip install lbmpy py-cpuinfo
     cargo build --release -p lbm-ibm-benches --bin speed
     python benches/peers/lbmpy_compare.py [--sizes 64 128 256] [--precision f64 f32] [--threads 1 2] [--rounds 5]
-        [--streaming aa] [--json FILE]
+        [--streaming aa] [--force] [--json FILE]
 
 The two run in turn, a second each, so that both see the same state of the machine; of all rounds each has its best, which a
 busy machine disturbs least. lbmpy runs its kernel alone on a box with one ghost layer, without the exchange that makes it
@@ -18,21 +19,22 @@ from pathlib import Path
 
 import numpy as np
 import pystencils as ps
-from lbmpy import LBMConfig, LBMOptimisation, LBStencil, Method, Stencil, create_lb_update_rule
+from lbmpy import ForceModel, LBMConfig, LBMOptimisation, LBStencil, Method, Stencil, create_lb_update_rule
 from lbmpy.advanced_streaming import Timestep
 
 NUMPY = {"f64": np.float64, "f32": np.float32}
-STEPS, SWEEPS = "no force, steps", "no force, sweeps"
+OURS = {False: "no force", True: "uniform force"}
 
 
-def kernels(streaming, precision, threads):
+def kernels(streaming, force, precision, threads):
     """The even and the odd step, compiled."""
     stencil = LBStencil(Stencil.D3Q19)
     dtype = np.dtype(NUMPY[precision]).name
     pdfs = ps.fields(f"pdfs({stencil.Q}): {dtype}[3D]", layout="fzyx")
+    forced = {"force": (1e-6, 0, 0), "force_model": ForceModel.GUO} if force else {}
     for step in (Timestep.EVEN, Timestep.ODD):
         config = LBMConfig(stencil=stencil, method=Method.TRT, relaxation_rate=1 / 0.8, compressible=False,
-                           zero_centered=True, streaming_pattern=streaming, timestep=step)
+                           zero_centered=True, streaming_pattern=streaming, timestep=step, **forced)
         rule = create_lb_update_rule(lbm_config=config,
                                      lbm_optimisation=LBMOptimisation(symbolic_field=pdfs, cse_global=True))
         target = ps.CreateKernelConfig(target=ps.Target.CurrentCPU, default_dtype=dtype)
@@ -66,22 +68,22 @@ def lbmpy_mlups(even, odd, pdfs, seconds):
     return max(rates)
 
 
-def our_mlups(binary, size, precision, threads, seconds):
+def our_mlups(binary, force, size, precision, threads, seconds):
     command = [binary, "fluid", "--size", size, "--precision", precision, "--collision", "trt", "--threads", threads,
                "--seconds", seconds, "--json", "-"]
     out = subprocess.run([str(c) for c in command], check=True, capture_output=True, text=True).stdout
     best = {case["case"]: case["best_mlups"] for case in json.loads(out)}
-    return best[STEPS], best[SWEEPS]
+    return best[f"{OURS[force]}, steps"], best[f"{OURS[force]}, sweeps"]
 
 
 def compare(options, size, precision, threads):
-    even, odd = kernels(options.streaming, precision, threads)
+    even, odd = kernels(options.streaming, options.force, precision, threads)
     pdfs = populations(size, precision)
     lbmpy_mlups(even, odd, pdfs, 0.0)
     theirs = steps = sweeps = 0.0
     for _ in range(options.rounds):
         theirs = max(theirs, lbmpy_mlups(even, odd, pdfs, options.seconds))
-        ours = our_mlups(options.binary, size, precision, threads, options.seconds)
+        ours = our_mlups(options.binary, options.force, size, precision, threads, options.seconds)
         steps, sweeps = max(steps, ours[0]), max(sweeps, ours[1])
     return {"size": size, "precision": precision, "threads": threads, "lbmpy": theirs, "steps": steps, "sweeps": sweeps,
             "ratio_steps": steps / theirs, "ratio_sweeps": sweeps / theirs}
@@ -96,6 +98,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--streaming", default="aa", choices=["aa", "esotwist", "esopull"])
+    parser.add_argument("--force", action="store_true", help="a uniform force on both")
     parser.add_argument("--binary", type=Path, default=root / "target" / "release" / "speed")
     parser.add_argument("--json", type=Path, help="write the rows to a file as well")
     options = parser.parse_args()
